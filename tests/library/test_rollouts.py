@@ -366,10 +366,10 @@ def test_functions_bring_what_they_call() -> None:
 
 def test_times_are_one_product_and_the_end_is_stored_only_where_every_divides_the_steps() -> None:
     compiled = kg.build(kg.load(MODELS / "planar_pendulum.toml"), outputs=("rollout_rk4",))
-    all_of_them = compiled.rollout([0.3], [0.0], steps=1000, step=1e-3)
-    found = compiled.rollout([0.3], [0.0], steps=1000, step=1e-3, every=300)
+    all_of_them = compiled.rollout([0.3, 0.0], [0.0, 0.0], steps=1000, step=1e-3)
+    found = compiled.rollout([0.3, 0.0], [0.0, 0.0], steps=1000, step=1e-3, every=300)
     assert (
         found.times.tolist() == [0.0, 1e-3 * 300, 1e-3 * 600, 1e-3 * 900] == all_of_them.times[::300].tolist()
     )
     assert found.x.tolist() == all_of_them.x[::300].tolist()
-    assert compiled.rollout([0.3], [0.0], steps=1000, step=1e-3, every=100).times[9] == 0.9
+    assert compiled.rollout([0.3, 0.0], [0.0, 0.0], steps=1000, step=1e-3, every=100).times[9] == 0.9
