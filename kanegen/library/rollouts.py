@@ -23,7 +23,7 @@ MOST_STEPS = 2**53
 """Steps of a rollout: more have no times of their own in doubles."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Rollout:
     """The motion of a model from one state, or from B states at once, as a rollout has stored it.
 
@@ -44,6 +44,10 @@ class Rollout:
     x: Floats
     y: Floats
     made: Counts
+
+    def __repr__(self) -> str:
+        span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
+        return f"<Rollout: {span}, x {self.x.shape}, y {self.y.shape}>"
 
 
 class Rollouts(CompiledModel):

@@ -13,7 +13,7 @@ from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.recursion.outputs import METHODS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearStep:
     """A step, and how its end changes with its start, with generalized forces and with parameters.
 
@@ -38,6 +38,10 @@ class LinearStep:
     A: Floats
     B: Floats
     P: Floats
+
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {getattr(self, name).shape}" for name in ("x", "y", "A", "B", "P"))
+        return f"<LinearStep: {shapes}>"
 
 
 class StepDerivatives(Rollouts):

@@ -25,6 +25,7 @@ from kanegen.simulation.picture import figure
 from kanegen.simulation.promise import Promise
 from kanegen.simulation.tables import TIME, Group, Table, data_frame, dataset, save, writer
 from kanegen.simulation.time_history import TimeHistory
+from kanegen.simulation.trajectory_html import trajectory_html
 
 
 @dataclass(frozen=True, repr=False)
@@ -59,6 +60,12 @@ class Trajectory(TimeHistory):
     def __repr__(self) -> str:
         span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
         return f"<Trajectory of {self.library.name}: {span}, {self.evaluations} evaluations>"
+
+    def _repr_html_(self) -> str:
+        """The caption, the state at a few times and the events, for a notebook."""
+        names = [one.name for group in ("x", "y") for one in self._elements[group]]
+        columns = {name: self.output(name) for name in names}
+        return trajectory_html(self.library.name, self.caption, self.times, columns, self.units, self.events)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -13,10 +13,14 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, OptionError, ReadError, counted, quoted
 from kanegen.extras import module
 from kanegen.model.arrays import Floats
+from kanegen.pictures.html import sentence, shown, table
 from kanegen.sweeps.axes import EXTRA
 from kanegen.sweeps.band_files import BandStore
 from kanegen.sweeps.bands import Bins, Integers, merged, quantile
 from kanegen.sweeps.stores import AGAIN, OVER_TIME, REASON, RESULT, ROW, SAMPLE, Columns, Layout, Store
+
+MOST_SHOWN, MOST_COLUMNS = 8, 12
+"""Numbers of rows and of columns that a notebook shows."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,6 +45,16 @@ class SweepResult:
         failed = len(self.reasons)
         rows = f"{self.finished} of {counted(self.rows, 'row')}"
         return f"<SweepResult of {self.name}: {rows}, {failed} with a reason, {', '.join(self.results)}>"
+
+    def _repr_html_(self) -> str:
+        """What is computed, and the first rows of the table, for a notebook."""
+        layout = self._layout
+        single = [name for name, shape in layout.columns.items() if not shape][:MOST_COLUMNS]
+        columns = self._columns(single)
+        rows = zip(*(columns[name].tolist() for name in single), strict=True)
+        cells = [[f"{one:.6g}" if isinstance(one, float) else one for one in row] for row in rows]
+        line = f"{self.finished} of {counted(self.rows, 'row')}, {len(self.reasons)} with a reason"
+        return shown(sentence("{}", line, strong=self.name), table(single, cells, "found.table", MOST_SHOWN))
 
     def __len__(self) -> int:
         return self.finished
@@ -273,7 +287,7 @@ class SweepResult:
         return full
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Band:
     """The distribution of one quantity over the rows of a sweep at every time.
 
@@ -296,6 +310,10 @@ class Band:
     times: Floats
     bins: Bins | None
     place: int
+
+    def __repr__(self) -> str:
+        span = f" from {self.times[0]:g} to {self.times[-1]:g} s" if len(self.times) else ""
+        return f"<Band of {self.name}: {counted(len(self.times), 'time')}{span}>"
 
     def quantiles(self, shares: Iterable[float] = (0.05, 0.5, 0.95)) -> Floats:
         """Return (Q, T) values below which shares of the rows lie, at every time.

@@ -230,3 +230,22 @@ def test_text_in_formulas_keeps_special_characters_outside() -> None:
     for one in kg.derive(system).integrals_of_motion():
         inside = re.findall(r"\\text\{([^}]*)\}", one._repr_latex_())
         assert not set("_&%\\^~#$<{") & set("".join(inside))
+
+
+def test_motions_and_sweeps_are_short() -> None:
+    """Arrays are not printed: shapes and spans are, and a notebook shows a few rows."""
+    system = kg.load(MODELS / "double_pendulum.toml")
+    outputs = ("forward_dynamics", "rollout_rk4", "step_rk4_derivatives")
+    library = kg.build(system, outputs, flags="-O0")
+    rollout = library.rollout(np.zeros((3, 2)), np.zeros((3, 2)), steps=1000, step=1e-3, every=10)
+    assert repr(rollout) == "<Rollout: 101 times from 0 to 1 s, x (3, 101, 2), y (3, 101, 2)>"
+    one = library.step_derivatives(np.zeros(2), np.zeros(2), step=1e-3)
+    assert repr(one) == "<LinearStep: x (2,), y (2,), A (4, 4), B (4, 2), P (4, 5)>"
+    motion = kg.simulate(library, {"q1": 0.3}, None, 1.0, step=0.01, events=["x.q1 < 0"])
+    text = read(motion._repr_html_()).text
+    assert "RK4, step 0.01 s" in text and "x.q2 in rad" in text and "x.q1 < 0" in text
+    assert f"{motion.x[-1, 1]:.6g}" in text
+    found = kg.sweep(system, {"x.q1": np.linspace(0.1, 0.3, 20)}, kg.RolloutJob(0.1, 0.01, bands=("x.q1",)))
+    text = read(found._repr_html_()).text
+    assert "20 of 20 rows, 0 with a reason" in text and "… 12 more rows: found.table" in text
+    assert repr(found.bands("x.q1")) == "<Band of x.q1: 11 times from 0 to 0.1 s>"
