@@ -6,6 +6,7 @@ that they link to, `command_line` describes the commands and `docstrings` the fu
 formulas, `gallery` and `moving_picture` draw motions, and `live` makes pages on which they can be played.
 """
 
+import os
 import sys
 from pathlib import Path
 
@@ -13,6 +14,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import kanegen
+
+BUILD = Path(__file__).parents[2] / "build"
 
 project = "kanegen"
 release = kanegen.__version__
@@ -43,10 +46,17 @@ myst_update_mathjax = False
 
 # Notebooks run once; the results are kept until their code changes.
 nb_execution_mode = "cache"
-nb_execution_cache_path = str(Path(__file__).parents[2] / "build" / "notebooks")
+nb_execution_cache_path = str(BUILD / "notebooks")
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+
+# Kernels have a configuration of their own, not that of the reader's IPython. They would warn that they are
+# reached by TCP, which here stays on this machine.
+os.environ["IPYTHONDIR"] = str(BUILD / "ipython")
+kernel = BUILD / "ipython" / "profile_default" / "ipython_kernel_config.py"
+kernel.parent.mkdir(parents=True, exist_ok=True)
+kernel.write_text('c.IPKernelApp.log_level = "ERROR"\n', encoding="utf-8")
 
 # Functions and classes. Types of properties are links only where they are public.
 default_role = "code"
