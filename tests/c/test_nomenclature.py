@@ -13,9 +13,11 @@ from kanegen.recursion.legend import Entry, entries, expression, legend, shown
 from kanegen.recursion.meanings import FREEDOMS, MARKS, PLACES
 from kanegen.recursion.outputs import INTEGRATORS, available
 from tests.support import systems
+from tests.support.cases import slow_except
 from tests.support.paths import MODEL_FILES, MODELS
 
 EQUATIONS = ("mass_matrix", "forcing")
+SOLVERS = ("factorisation", "articulated bodies")
 TYPES = "arithmetic_mode|double|float|long double|kanegen_double_double|simd|int"
 LOCAL = re.compile(rf"^    (?:const )?(?:{TYPES}) ([^;\n()=]*?)((?: = [^\n]*)?);$", re.MULTILINE)
 PRINTED = {
@@ -121,7 +123,7 @@ def test_names_of_precisions_and_solvers(variant):
     check(kg.generate(system, ("forward_dynamics", "error_estimate", "regularity"), tier=variant))
 
 
-@pytest.mark.parametrize("solver", ["factorisation", "articulated bodies"])
+@pytest.mark.parametrize("solver", slow_except(SOLVERS, "factorisation"))
 def test_names_of_motors(solver):
     inertia, ratio = kg.Parameter("J", 0.003), kg.Parameter("n", 30.0)
     system = systems.chain(3, ["theta3"]).with_rotors(
@@ -131,7 +133,7 @@ def test_names_of_motors(solver):
     check(kg.generate(system, available(system), tier=Variant(solver=solver, refinement=1)))
 
 
-@pytest.mark.parametrize("solver", ["factorisation", "articulated bodies"])
+@pytest.mark.parametrize("solver", slow_except(SOLVERS, "articulated bodies"))
 def test_names_of_couplings(solver):
     """Chains, several terms, a slide that follows angles, branches, motors, a spring, and a driven shaft."""
     system = systems.random_system(
@@ -154,7 +156,7 @@ def test_names_of_couplings(solver):
 
 
 @pytest.mark.parametrize("refinement", [0, 1])
-@pytest.mark.parametrize("solver", ["factorisation", "articulated bodies"])
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_names_of_contacts(solver, refinement):
     """A floating body with a leg, held with its orientation, at a point, and in some directions."""
     floating = [False, True, False, True, True, True]

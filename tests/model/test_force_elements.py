@@ -505,7 +505,7 @@ def test_names_that_stand_for_nothing(element: kg.ForceElement, message: str) ->
         (lambda: PointLoad("a", (1, 2)), "point_load force: expected 3 entries, got 2"),
         (lambda: Potential("y.a.s1**2"), "potential energy 'y.a.s1**2' depends on 'y.a.s1'"),
         (lambda: Potential("t"), "potential energy 't' depends on 't'"),
-        (lambda: Drive("a", "1 +"), "expression '1 +': no expression"),
+        (lambda: Drive("a", "1 +"), "expression '1 +': nothing after '+'"),
     ],
 )
 def test_elements_that_say_nothing(make: Any, message: str) -> None:

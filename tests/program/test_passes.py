@@ -243,7 +243,7 @@ CRANE, LARGER_TREE, TREE = trees()
 
 @pytest.mark.parametrize(
     "system",
-    [CRANE, TREE, pytest.param(LARGER_TREE, marks=pytest.mark.slow)],
+    [CRANE, *(pytest.param(tree, marks=pytest.mark.slow) for tree in (TREE, LARGER_TREE))],
     ids=lambda system: f"{system.name}{len(system.freedoms)}",
 )
 def test_the_equations_do_not_depend_on_the_passes(system: kg.System) -> None:

@@ -102,7 +102,7 @@ def test_parameters_are_prepared_once_for_all() -> None:
 
 @pytest.fixture(scope="module")
 def library() -> kg.Library:
-    return kg.build(system(), available(system()))
+    return kg.build(system(), available(system()), flags="-O0")
 
 
 def test_one_state_and_many_in_c(library: kg.Library) -> None:

@@ -17,6 +17,7 @@ from kanegen.studies.bench.outputs import FUNCTIONS, OutputBench, compare_output
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.states import write_states
 from tests.support import systems
+from tests.support.cases import slow_except
 
 STATES = 40
 """More states than a batch of the driver holds, and no whole number of batches."""
@@ -28,7 +29,11 @@ def arm() -> kg.System:
     return chain.with_poses(["body7"]).with_points({"tip": ("body7", (0.1, 0, 0))}).with_contacts(["tip"])
 
 
-@pytest.mark.parametrize("output", FUNCTIONS)
+QUICK = ("gravity_forces", "frame_jacobians", "contact_dynamics")
+"""Outputs of one array and of two, alone and with a chosen point; the others run with `make slow`."""
+
+
+@pytest.mark.parametrize("output", slow_except(FUNCTIONS, *QUICK))
 def test_the_driver_computes_the_output_of_each_state(output: str, arm: kg.System, tmp_path: Path) -> None:
     states = states_away_from_gimbal_lock(arm, STATES)
     problem = Problem(arm, states, write_states(states, tmp_path / "states"), tmp_path)
