@@ -25,6 +25,16 @@ Model = Annotated[
     Path,
     typer.Argument(metavar="MODEL", help="The model file, .toml, .urdf or .xml (MJCF).", show_default=False),
 ]
+Page = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE.html",
+        help="The page; by default the name of the model in the current folder.",
+        show_default=False,
+    ),
+]
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", help="Give the root link of a .urdf file six freedoms.")
 ]

@@ -16,6 +16,7 @@ from kanegen.cli.options import (
     JointDynamics,
     Lock,
     Model,
+    Page,
     Points,
     RightAngles,
 )
@@ -38,16 +39,7 @@ Values = Mapping[str, float]
 def view(  # noqa: PLR0913  (an argument for every option)
     *,
     model: Model,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE.html",
-            help="The page; by default the name of the model in the current folder.",
-            show_default=False,
-        ),
-    ] = None,
+    output: Page = None,
     x: X = None,
     y: Y = None,
     duration: Annotated[

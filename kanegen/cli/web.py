@@ -15,6 +15,7 @@ from kanegen.cli.options import (
     JointDynamics,
     Lock,
     Model,
+    Page,
     RightAngles,
     Speeds,
 )
@@ -24,16 +25,7 @@ from kanegen.cli.terminal import print_plain, progress
 
 def web(
     model: Model,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE.html",
-            help="The page; by default the name of the model in the current folder.",
-            show_default=False,
-        ),
-    ] = None,
+    output: Page = None,
     x: X = None,
     y: Y = None,
     step: Annotated[float, typer.Option("--step", metavar="SECONDS", help="Length of a step, s.")] = 1e-3,
