@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from kanegen.choices import chosen as several
 from kanegen.choices import flag
 from kanegen.errors import BuildError, quoted, warn
 from kanegen.library.native import cache, commands, compilers, environment, processor, selftest
+from kanegen.library.native.facade import Facade
 from kanegen.program import precision as precisions
 from kanegen.program import semantics
 from kanegen.program.precision import LONG_DOUBLE
@@ -24,7 +25,7 @@ EXAMPLE = "main.c"
 """Generated file that is an example of use and no part of the library."""
 
 _LIBRARY_FLAGS = ("-std=c99", "-fPIC")
-"""Compiler flags of every shared library."""
+"""Compiler flags of generated code in every shared library."""
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 """End of the name of a shared library on this platform."""
@@ -71,16 +72,23 @@ class Recipe:
         flags: Compiler flags in place of those of the variant; None are those of the variant.
         threads: Whether OpenMP shares large batches among threads. With a compiler without OpenMP this gives
             a `KanegenWarning`, and batches use one thread.
+        facade: Further C and C++ in the same library.
     """
 
     source: Source
     compiler: str | None = None
     flags: tuple[str, ...] | None = None
     threads: bool = False
+    facade: Facade | None = None
 
     @classmethod
     def of(
-        cls, source: Source, compiler: str | None, flags: str | Sequence[str] | None, threads: bool
+        cls,
+        source: Source,
+        compiler: str | None,
+        flags: str | Sequence[str] | None,
+        threads: bool,
+        facade: Facade | None = None,
     ) -> Recipe:
         """Return the recipe with flags that are a sequence or one text, split as a shell does it.
 
@@ -88,13 +96,15 @@ class Recipe:
             BuildError: If the flags are neither, or the text cannot be split.
             OptionError: If `threads` is neither true nor false.
         """
-        return cls(source, compiler, None if flags is None else _split(flags), flag("threads", threads))
+        split = None if flags is None else _split(flags)
+        return cls(source, compiler, split, flag("threads", threads), facade)
 
     def product(self) -> Product:
         """Return the library with the commands that make it.
 
         Raises:
             BuildError: If there is no compiler, or it does not keep what the variant promises.
+            MissingError: If the facade is in C++ and there is no C++ compiler.
         """
         source = self.source
         found = compilers.find(self.compiler)
@@ -105,7 +115,7 @@ class Recipe:
             chosen += _openmp_flags(found)
         command = (*found.command, *_LIBRARY_FLAGS, *chosen)
         files = code(source)
-        return Product(
+        product = Product(
             name=f"lib{source.model.name}{_SUFFIX}",
             files=files,
             compile={file: command for file in files if file.endswith(".c")},
@@ -113,6 +123,7 @@ class Recipe:
             link_arguments=("-lm",),
             fingerprints=(found.fingerprint,),
         )
+        return product if self.facade is None else _with_facade(product, self.facade, found, chosen)
 
 
 def build(
@@ -120,6 +131,7 @@ def build(
     compiler: str | None = None,
     flags: str | Sequence[str] | None = None,
     threads: bool = False,
+    facade: Facade | None = None,
 ) -> Path:
     """Compile `source` to a shared library, unless the cache has it already.
 
@@ -128,6 +140,7 @@ def build(
         compiler: Command of a compiler that takes gcc's options; by default that of `compilers.find`.
         flags: Compiler flags in place of those of the variant, as a sequence or as a shell would split them.
         threads: Whether OpenMP shares large batches among threads, as in `Recipe`.
+        facade: Further C and C++ in the same library, with the interface of another program.
 
     Returns:
         Path of the shared library.
@@ -135,8 +148,13 @@ def build(
     Raises:
         BuildError: If there is no compiler, it fails or does not keep what the variant promises, or the
             cache folder cannot be used.
+        MissingError: If the facade is in C++ and there is no C++ compiler.
+
+    Example:
+        >>> build(source, facade=Facade("arm_other", {"arm_other.c": text}))
+        PosixPath('.../libarm_other.so')
     """
-    return made(Recipe.of(source, compiler, flags, threads).product(), Path)
+    return made(Recipe.of(source, compiler, flags, threads, facade).product(), Path)
 
 
 def program(
@@ -231,6 +249,34 @@ def write(files: Mapping[str, str], folder: Path) -> None:
 def significand_bits(dtype: np.dtype[Any]) -> int:
     """Return the number of bits of the significand of a floating-point type on this platform."""
     return int(np.finfo(dtype).nmant) + 1
+
+
+def _with_facade(product: Product, facade: Facade, c: compilers.Compiler, flags: tuple[str, ...]) -> Product:
+    """Return the library of a source with a facade in it.
+
+    Args:
+        product: The library without the facade.
+        facade: Further files.
+        c: The C compiler.
+        flags: Flags of the generated code that depend on neither language nor file.
+
+    Raises:
+        MissingError: If the facade is in C++ and there is no C++ compiler.
+        ValueError: If a file has the name of one of the model.
+    """
+    if both := set(facade.files) & set(product.files):
+        raise ValueError(f"facade {facade.name}: {', '.join(sorted(both))} is a file of the model, too.")
+    cpp = compilers.find_cpp() if facade.is_cpp else c
+    by_file = {file: cpp if file.endswith(".cpp") else c for file in facade.sources}
+    own = {f: (*one.command, "-fPIC", *flags, *facade.options(f)) for f, one in by_file.items()}
+    return replace(
+        product,
+        name=f"lib{facade.name}{_SUFFIX}",
+        files={**product.files, **facade.files},
+        compile={**product.compile, **own},
+        link=(*semantics.linker_flags((*cpp.command, "-fPIC", *flags)), "-shared"),
+        fingerprints=(c.fingerprint, cpp.fingerprint, facade.fingerprint),
+    )
 
 
 def _require_long_double(source: Source) -> None:
