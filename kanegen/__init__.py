@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from kanegen.model.rotor import Rotor as Rotor
     from kanegen.model.system import System as System
     from kanegen.options import Variant as Variant
+    from kanegen.products.exporting import export as export
     from kanegen.readers import load as load
     from kanegen.simulation.events import Event as Event
     from kanegen.simulation.simulate import simulate as simulate
@@ -137,6 +138,7 @@ _MODULES = {
     "model.rotor": ("Rotor",),
     "model.system": ("System",),
     "options": ("Variant",),
+    "products.exporting": ("export",),
     "readers": ("load",),
     "simulation.events": ("Event",),
     "simulation.simulate": ("simulate",),

@@ -1,0 +1,71 @@
+"""`export`: one product of a model or of generated code, written to a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from kanegen.artifacts import ARTIFACTS
+from kanegen.c.source import Source
+from kanegen.choices import require_one
+from kanegen.compiler import generate
+from kanegen.errors import OptionError, quoted
+from kanegen.files import path_of, require_writable, write_all
+from kanegen.model.system import System
+from kanegen.products.compiled_file import CompiledFile, Platforms
+from kanegen.products.platforms import chosen_platforms
+from kanegen.products.table import PRODUCTS
+
+
+def export(
+    model: System | Source, product: str, path: str | Path, platforms: Iterable[str] | str | None = None
+) -> Path:
+    """Write what a compiler makes of a model, such as a module of WebAssembly.
+
+    Args:
+        model: A system, of which C is generated with the outputs that the product needs; or generated C,
+            where the outputs and other choices are the caller's.
+        product: Name of the product, in `kanegen.products.PRODUCTS`.
+        path: The file, which is replaced if it exists; or a folder, in which it is named after the model.
+        platforms: Names of the platforms on which the file is to run, as FMI 3.0 writes them, such as
+            "x86_64-windows". By default it is this machine's. Others need `pip install ziglang`.
+
+    Returns:
+        Path of the file.
+
+    Raises:
+        OptionError: If there is no such product or platform, or the model cannot have the product.
+        BuildError: If a compiler is missing, or fails.
+        WriteError: If the file cannot be written; nothing is then compiled.
+        ModelError, SingularError: As `kanegen.generate`.
+
+    Example:
+        kg.export(kg.load("models/double_pendulum.toml"), "wasm", "double_pendulum.wasm")
+    """
+    require_one("product", product, PRODUCTS)
+    if not isinstance(model, System | Source):
+        raise OptionError(f"export: {quoted(model)} is neither a system nor generated code.")
+    chosen, named = PRODUCTS[product], path_of(path)
+    on = platforms_of(chosen, platforms)
+    chosen.require_tools(on)
+    if not named.is_dir():
+        require_writable(named)
+    if isinstance(model, System):
+        model = generate(model, artifacts=[product] if product in ARTIFACTS else [])
+    file = named / chosen.file(model) if named.is_dir() else named
+    write_all({file: chosen.make(model, on)})
+    return file
+
+
+def platforms_of(product: CompiledFile, names: Iterable[str] | str | None) -> Platforms:
+    """Return the platforms for which a product is made, () for one that is the same everywhere.
+
+    Raises:
+        OptionError: If there is no such platform, or the product has none.
+        BuildError: As `chosen_platforms`.
+    """
+    if product.has_platforms:
+        return chosen_platforms(names)
+    if names is not None:
+        raise OptionError(f"product {product.name!r} is the same on every platform. Leave out platforms.")
+    return ()

@@ -1,0 +1,22 @@
+"""The table of products: every file that a compiler can make of a source."""
+
+from __future__ import annotations
+
+from kanegen.browser import toolchain
+from kanegen.browser.wasm import wasm_module
+from kanegen.products.compiled_file import CompiledFile
+
+PRODUCTS: dict[str, CompiledFile] = {
+    product.name: product
+    for product in (
+        CompiledFile(
+            "wasm",
+            "A module of WebAssembly, for browsers and Node.js.",
+            lambda source: f"{source.model.name}.wasm",
+            lambda source, _: wasm_module(source, batch=True),
+            lambda _: toolchain.find(),
+            has_platforms=False,
+        ),
+    )
+}
+"""Every product by its name."""
