@@ -26,7 +26,10 @@ this degree and the next, whose errors the generated C documents."""
 NO_DECISIONS: Mapping[str, str] = MappingProxyType({})
 
 AUTO = "auto"
-"""Refinement of {ydot} where the model needs it."""
+"""Refinement of {ydot} where the model needs it; instructions of this processor where they change no bit."""
+
+MACHINES = (AUTO, *rules.MACHINES)
+"""Processors that code runs on: named ones, or those on which a library is loaded."""
 
 REFINEMENTS = (0, 1, 2, AUTO)
 """Numbers of steps of iterative refinement in forward dynamics."""
@@ -50,7 +53,10 @@ class Variant:
         without: Passes of the optimiser that are left out, of `passes.PASS_NAMES`; the C then takes more
             operations for the same results.
         semantics: Changes of arithmetic that the C compiler is allowed, of `semantics.SEMANTICS`.
-        machine: Processors that the code runs on, one of `semantics.MACHINES`.
+        machine: Processors that the code runs on, one of `MACHINES`. "portable" code runs on all of the
+            architecture, "native" code on those like this one. With "auto" generated code is portable; a
+            library that is built and loaded here is native if the semantics are strict, which give the same
+            bits.
         optimisation: Level of the C compiler, one of `semantics.OPTIMISATIONS`.
         sincos: Sine and cosine, one of `SINCOS`.
         refinement: Steps of iterative refinement in forward dynamics, one of `REFINEMENTS`.
@@ -67,7 +73,7 @@ class Variant:
     solver: str = "cheapest"
     without: tuple[str, ...] = ()
     semantics: tuple[str, ...] = (rules.STRICT,)
-    machine: str = "portable"
+    machine: str = AUTO
     optimisation: int = 2
     sincos: str = "shared"
     storage: str = ""
@@ -78,7 +84,7 @@ class Variant:
         precisions.storage_precision(self.precision, self.storage)
         require_one("solver", self.solver, SOLVERS)
         require_one("refinement", self.refinement, REFINEMENTS)
-        require_one("machine", self.machine, rules.MACHINES)
+        require_one("machine", self.machine, MACHINES)
         require_one("sincos", self.sincos, SINCOS)
         self._require_sincos()
         require_one("optimisation", self.optimisation, rules.OPTIMISATIONS)
@@ -108,8 +114,16 @@ class Variant:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Flags of gcc and clang for semantics, machine and optimisation."""
-        return rules.compiler_flags(self.semantics, self.machine, self.optimisation)
+        """Flags of gcc and clang for code that goes elsewhere: semantics, machine and optimisation."""
+        machine = "portable" if self.machine == AUTO else self.machine
+        return rules.compiler_flags(self.semantics, machine, self.optimisation)
+
+    @property
+    def flags_here(self) -> tuple[str, ...]:
+        """Flags of gcc and clang for a library that is loaded on this machine only."""
+        if self.machine == AUTO and self.is_strict:
+            return rules.compiler_flags(self.semantics, "native", self.optimisation)
+        return self.flags
 
     @property
     def flushes(self) -> bool:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from kanegen.errors import BuildError
 from kanegen.library.native import cache, compilers, processor, selftest
 from kanegen.library.native.build import build
+from kanegen.options import Variant
 from kanegen.program import semantics
 from tests.support.handmade import source
 from tests.support.paths import ROOT
@@ -134,7 +136,7 @@ def test_a_library_is_compiled_once(counting):
     assert sorted(line.split()[-3] for line in both) == ["handmade.c", "handmade_batch.c"]
     assert " ".join(source().variant.flags) == "-O2 -ffp-contract=off"
     level = "-O0"  # which tests/conftest.py puts in place of -O2
-    assert all(f"{level} -ffp-contract=off" in line for line in (*both, link))
+    assert all(f"{level} -march=native -ffp-contract=off" in line for line in (*both, link))
     assert {file.name for file in path.parent.iterdir()} == {
         *("handmade.h", "handmade.c", "handmade_batch.c", "kanegen_simd.h", "kanegen_sincos.h"),
         *(path.name, "SHA256SUMS"),
@@ -193,6 +195,31 @@ def test_code_is_for_processors_with_the_same_features(monkeypatch, counting, na
         processor.fingerprint.cache_clear()
         selftest.properties.cache_clear()
     assert len(tested) == ("flags" not in native)
+
+
+def test_a_library_is_for_this_processor_by_default(counting):
+    command, compilations = counting
+    build(source(), command)
+    assert all("-march=native" in line and "-ffp-contract=off" in line for line in compilations())
+
+
+def test_a_library_for_all_processors_is_named(counting):
+    command, compilations = counting
+    build(replace(source(), variant=Variant(machine="portable")), command)
+    assert compilations() and not any("-march" in line for line in compilations())
+
+
+def test_semantics_that_may_change_bits_are_not_made_native_unasked(counting):
+    command, compilations = counting
+    build(replace(source(), variant=Variant(semantics="contracted")), command)
+    assert compilations() and not any("-march" in line for line in compilations())
+
+
+def test_a_compiler_that_does_not_know_this_machine_makes_portable_code(script, tmp_path):
+    log = tmp_path / "log"
+    refusing = 'case "$*" in *-march=native*) echo "error: unknown machine" >&2; exit 1 ;; esac'
+    path = build(source(), script(f'{refusing}\necho "$@" >> {log}\nexec {CC} "$@"'))
+    assert path.is_file() and "-O2" in log.read_text() and "-march" not in log.read_text()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="/proc/cpuinfo is a file of Linux")

@@ -17,7 +17,7 @@ from kanegen.artifacts.certificate import certificate_text
 from kanegen.c.folder import with_provenance
 from kanegen.errors import BudgetError, CertificateError, OptionError, ReadError
 from kanegen.measure.truth import measure
-from kanegen.options import STRICT
+from kanegen.options import AUTO, STRICT
 from kanegen.studies.budget import certificate
 from kanegen.studies.budget.budget_evaluator import allowed_candidates, is_reproducible, usable_errors
 from kanegen.studies.budget.certification import CertifiedSource, certify_variant
@@ -435,7 +435,7 @@ def test_the_candidates_of_a_study() -> None:
     assert found[0] == Candidate(STRICT)
     assert len(set(found)) == len(found)
     assert all(candidate.speeds is None for candidate in found)
-    assert {c.variant.machine for c in allowed_candidates(is_reproducible)} == {"portable"}
+    assert {c.variant.machine for c in allowed_candidates(is_reproducible)} == {AUTO}
     with pytest.raises(OptionError, match="no variant is left"):
         allowed_candidates(lambda candidate: False)
 

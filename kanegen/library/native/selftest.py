@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import shlex
+from contextlib import suppress
 from pathlib import Path
 
 from kanegen.artifacts.selftest import selftest_text
@@ -33,10 +34,13 @@ _TIME_LIMIT = 120.0
 def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
     """Return compiler flags with which `compiler` keeps the properties that the variant of `source` promises.
 
+    They are those for this machine, or portable ones where the compiler does not know this machine.
+
     Raises:
         BuildError: If there are no such flags.
     """
-    flags = source.variant.flags
+    variant = source.variant
+    flags = variant.flags_here if _compiles(compiler, variant.flags_here) else variant.flags
     wanted = set(guaranteed_properties(source.variant.semantics))
     if any("(float)" in text for file, text in source.files.items() if file.endswith(".c")):
         wanted.add(NARROWING)
@@ -51,6 +55,13 @@ def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]
             f"{', '.join(sorted(missing))}. Name another compiler, or semantics that do without."
         )
     return flags
+
+
+def _compiles(compiler: compilers.Compiler, flags: tuple[str, ...]) -> bool:
+    """Whether `compiler` makes a program that runs with `flags`."""
+    with suppress(BuildError):
+        return bool(properties(compiler, flags))
+    return False
 
 
 def require(compiler: compilers.Compiler, flags: tuple[str, ...], wanted: frozenset[str]) -> None:

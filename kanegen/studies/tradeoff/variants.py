@@ -59,7 +59,7 @@ SINGLE_CHANGES: tuple[Changes, ...] = (
     *({"sincos": name} for name in SINCOS if name != STRICT.sincos),
     {"optimisation": 1},
     {"machine": "native", "optimisation": 2},
-    {"semantics": RELAXED, "machine": "portable"},
+    {"semantics": RELAXED, "machine": AUTO},
     {"semantics": (FLUSH,)},
     {"without": ("fold",)},
     {"without": ("factor",)},
