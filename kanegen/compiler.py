@@ -145,6 +145,7 @@ def generate(
     artifacts: Iterable[str] | str = (),
     target: Target | str = C99_TARGET,
     parameters_by_state: bool = False,
+    batches: bool = True,
 ) -> Source:
     """Generate C for `outputs`, specialised to `system`.
 
@@ -165,10 +166,12 @@ def generate(
         target: Language of the code, by default C99.
         parameters_by_state: Whether each state of a batch has its own run-time parameters: a row of the array
             `prepared`, which the batch form of `prepare` fills. By default all states have one set.
+        batches: Whether to write functions for many states at once, too. Without them the code has the
+            functions for one state alone, as on a microcontroller.
 
     Raises:
         OptionError: If an output, a tier or another choice is unknown, there is nothing to re-anchor, or the
-            system has no run-time parameters that could differ from state to state.
+            system has no run-time parameters, or no batches, in which they could differ from state to state.
         ModelError: If numbers of the model leave the range of doubles, or a constant that of the precision.
         SingularError: If an output solves with [A], as forward_dynamics does, and [A] is singular in every
             state; the message names the bodies, the freedoms and the outputs that remain.
@@ -191,6 +194,7 @@ def generate(
         target,
         functions,
         flag("parameters_by_state", parameters_by_state),
+        flag("batches", batches),
     )
     asked = several("artifacts", "artifact", artifacts, ARTIFACTS)
     source = replace(source, system=system)

@@ -41,7 +41,12 @@ FILES = {
 }
 """Template of every file of code by the name of the file; {f} is the suffix of the precision, "" or "f"."""
 
-_NEEDED = {"kanegen_simd.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_double_double.h": "double_double"}
+_NEEDED = {
+    "model_batch.c": "has_batches",
+    "kanegen_simd.h": "has_lanes",
+    "kanegen_sincos.h": "sincos",
+    "kanegen_double_double.h": "double_double",
+}
 """Name of the context variable by template; a file is left out where this variable is empty."""
 
 
@@ -74,7 +79,7 @@ class C99:
         formats = render_input.formats
         arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
         kanegen_sincos = render_input.sincos is not None and arithmetic is formats.arithmetic
-        return scalar(formats, arithmetic, kanegen_sincos, render_input.places)
+        return scalar(formats, arithmetic, kanegen_sincos, render_input.places, render_input.batches)
 
     def printed(self, render_input: RenderInput) -> Printed:
         """Return header, source, batch source and the headers that these include."""
@@ -85,7 +90,7 @@ class C99:
                 f"c99/{template}", **variables
             )
             for pattern, template in FILES.items()
-            if template not in _NEEDED or variables[_NEEDED[template]] is not None
+            if template not in _NEEDED or variables[_NEEDED[template]]
         }
         files |= _elementary_headers(variables["functions"])
         types = double_double.declared if double_double else ""

@@ -71,13 +71,16 @@ def context(
         steps: The functions of one step that functions of many steps contain.
     """
     model_formats = formats(variant)
+    has_batches = any(function.has_batch for function in functions)
     return {
         "version": __version__,
+        "has_batches": has_batches,
+        "has_lanes": has_batches and model_formats.arithmetic in SIMD,
         "model": model,
         "prefix": model.prefix,
         "outputs": outputs,
         "operations": _operations(operations),
-        **_arithmetic(model, variant, model_formats),
+        **_arithmetic(model, variant, model_formats, has_batches),
         **_status(model, functions, FINITE in variant.semantics),
         **_tables(model, outputs),
         "sizes": declarations.sizes(model, functions),
@@ -88,7 +91,9 @@ def context(
     }
 
 
-def _arithmetic(model: ModelDescription, variant: Variant, model_formats: Formats) -> Context:
+def _arithmetic(
+    model: ModelDescription, variant: Variant, model_formats: Formats, has_batches: bool
+) -> Context:
     """Return the variables of precisions, of sine and cosine, and of compiler semantics."""
     sincos = sincos_named(variant.sincos, model_formats.arithmetic)
     return {
@@ -101,7 +106,7 @@ def _arithmetic(model: ModelDescription, variant: Variant, model_formats: Format
         "flushes": variant.flushes,
         "is_strict": variant.is_strict,
         "arithmetic": _wrapped(_about_arithmetic(model_formats, bool(model.parameters))),
-        "sines": _wrapped(_about_sines(sincos, model_formats.arithmetic)),
+        "sines": _wrapped(_about_sines(sincos, model_formats.arithmetic, has_batches)),
     }
 
 
@@ -120,7 +125,7 @@ def _status(model: ModelDescription, functions: Sequence[Function], is_finite_as
         "quantity": " or ".join(dict.fromkeys(c.quantity for f in functions for c in f.conditions)),
         "failure": " or ".join(dict.fromkeys(c.failure for f in functions for c in f.conditions)),
         "rows": _statuses_of_rows(model, functions),
-        "status": _wrapped(_about_status(model, is_finite_assumed)),
+        "status": _wrapped(_about_status(model, functions, is_finite_assumed)),
     }
 
 
@@ -194,11 +199,12 @@ def _about_arithmetic(model_formats: Formats, has_parameters: bool) -> str:
     return f"{_ARITHMETICS[model_formats.arithmetic]} {kinds} {_NAMES}"
 
 
-def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
+def _about_sines(sincos: Sincos | None, arithmetic: Precision, has_batches: bool) -> str:
     """Return the sentences on the implementation of sine and cosine and on its errors."""
     if sincos is None:
         where = "kanegen_double_double.h" if arithmetic is DOUBLE_DOUBLE else "the C library"
-        return f"Sine and cosine are those of {where}, for one state and in batches."
+        everywhere = ", for one state and in batches" if has_batches else ""
+        return f"Sine and cosine are those of {where}{everywhere}."
     if sincos.plain:
         degrees = f"{sincos.degree} and {sincos.degree + 1}"
         return (
@@ -228,13 +234,15 @@ def _about_reactions(model: ModelDescription) -> str:
     return f"{' '.join(parts)} They come from the lower body."
 
 
-def _about_status(model: ModelDescription, is_finite_assumed: bool) -> str:
+def _about_status(model: ModelDescription, functions: Sequence[Function], is_finite_assumed: bool) -> str:
     """Return the sentences on the status that every function returns."""
     text = (
         "Every function returns a status: 0 where all its results are finite numbers, "
         f"{declarations.not_finite(model)} where one is infinite or NaN. Further statuses stand with the "
-        "functions that have them. The _batch functions return how many states have a status other than 0."
+        "functions that have them."
     )
+    if any(function.has_batch for function in functions):
+        text += " The _batch functions return how many states have a status other than 0."
     if is_finite_assumed:
         text += " But the compiler may assume that no number is infinite or NaN, so the status may miss one."
     return text

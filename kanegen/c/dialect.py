@@ -63,12 +63,14 @@ class Dialect:
         arithmetic: Precision of everything that is computed.
         kanegen_sincos: Whether sine and cosine are those of kanegen_sincos.h, else those of libm.
         places: Enumerators of the places of some arrays, by name of the array.
+        has_lanes: Whether kanegen_simd.h stands beside the code.
     """
 
     formats: Formats
     arithmetic: Precision
     kanegen_sincos: bool = False
     places: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    has_lanes: bool = True
 
     @property
     def is_scalar(self) -> bool:
@@ -98,7 +100,7 @@ class Dialect:
     @property
     def has_vector_sincos(self) -> bool:
         """Whether sines and cosines of many coordinates may be computed in SIMD lanes."""
-        return self.kanegen_sincos and self.formats.every == (self.arithmetic,)
+        return self.has_lanes and self.kanegen_sincos and self.formats.every == (self.arithmetic,)
 
     @property
     def has_sincos(self) -> bool:
@@ -299,9 +301,10 @@ def scalar(
     arithmetic: Precision | None = None,
     kanegen_sincos: bool = False,
     places: Mapping[str, Sequence[str]] = NO_NAMES,
+    has_lanes: bool = True,
 ) -> Dialect:
     """Return the dialect for one state, which computes in the arithmetic of `formats` by default."""
-    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos, places)
+    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos, places, has_lanes)
 
 
 def simd(

@@ -42,7 +42,8 @@ class Function:
             status.
         workspace: Numbers that one part of the function leaves for later parts, 0 if it has one part.
         may_be_inaccurate: Names of outputs that may exist without being accurate; the status reports this.
-        has_batch: Whether it has a batch form; `prepare` has one only where parameters differ by state.
+        has_batch: Whether it has a batch form; `prepare` has one only where parameters differ by state, and
+            code for one state alone has none.
     """
 
     name: str
@@ -88,7 +89,10 @@ class Function:
 
 
 def signatures(
-    module: Module, longest: int = LONGEST_PART, parameters_by_state: bool = False
+    module: Module,
+    longest: int = LONGEST_PART,
+    parameters_by_state: bool = False,
+    batches: bool = True,
 ) -> dict[Function, tuple[Program, ...]]:
     """Return every function of a module with its parts: `prepare` first, then the others in their order.
 
@@ -96,6 +100,7 @@ def signatures(
         module: The programs.
         longest: Instructions of a function from which it is cut into parts; `prepare` is never cut.
         parameters_by_state: Whether each state of a batch has its own prepared constants.
+        batches: Whether the functions have batch forms.
     """
     found: dict[Function, tuple[Program, ...]] = {}
     shared: tuple[str, ...] = ()
@@ -115,7 +120,7 @@ def signatures(
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
         parts = cut(program, longest)
         status = _may_fail(program), workspace_size(parts), _may_be_inaccurate(program)
-        found[Function(name, doc, program.inputs, arrays, shared, *status)] = parts
+        found[Function(name, doc, program.inputs, arrays, shared, *status, batches)] = parts
     return found
 
 

@@ -74,7 +74,7 @@ def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], lis
         return [], []
     functions = {function.name: function for function in render_input.programs}
     formats, model = render_input.formats, render_input.model
-    can = formats.arithmetic in SIMD and not formats.is_mixed
+    can = render_input.batches and formats.arithmetic in SIMD and not formats.is_mixed
     lanes = {
         name: can
         and all(one.fits_simd for one in (step, *composed(name, functions.values(), model.speeds_are_rates)))

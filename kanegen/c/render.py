@@ -32,6 +32,7 @@ def render(
     target: Target | str = C99_TARGET,
     functions: Iterable[str] | None = None,
     parameters_by_state: bool = False,
+    batches: bool = True,
 ) -> Source:
     """Return the code for the programs of `module`, without artifacts beside it.
 
@@ -46,11 +47,15 @@ def render(
         functions: Names of the functions to print, by default all; `prepare` is always printed. "evaluate" is
             the function of all outputs together, also where there is only one output.
         parameters_by_state: Whether each state of a batch has its own parameters.
+        batches: Whether to print functions for many states at once, too.
 
     Raises:
         ModelError: If the target cannot use the name of the model, or the precision cannot hold a number.
-        OptionError: If there is no such target or function, or there are no parameters to differ by state.
+        OptionError: If there is no such target or function, there are no parameters to differ by state, or no
+            batches in which they could.
     """
+    if parameters_by_state and not batches:
+        raise OptionError("parameters_by_state: there are no batches. Leave out one or the other choice.")
     if parameters_by_state and module.prepare is None:
         raise OptionError(
             f"parameters_by_state: system {quoted(model.shown)} has no run-time parameters. Leave it out, or "
@@ -63,7 +68,7 @@ def render(
         operations = count.operations(select_functions(module, chosen))
     longest = target.longest_part
     render_input = RenderInput(
-        model, module, operations, variant, decided, longest, chosen, parameters_by_state
+        model, module, operations, variant, decided, longest, chosen, parameters_by_state, batches
     )
     require_range(model, render_input.programs, render_input.formats)
     printed = target.printed(render_input)
@@ -79,6 +84,7 @@ def render(
         module=render_input.selected,
         rollouts=render_input.rollouts,
         integrators=tuple(render_input.steps),
+        decided=dict(decided),
     )
 
 

@@ -27,8 +27,8 @@ class Source:
         model: Names and sizes of the model.
         outputs: Names of the outputs that the functions fill, such as `("mass_matrix", "forcing")`.
         functions: Every generated function for one state; all but `prepare` have a batch form, too, and with
-            `parameters_by_state` that one as well.
-        rollouts: Every generated function that makes many steps, with its batch form.
+            `parameters_by_state` that one as well. Code for one state alone has no batch forms.
+        rollouts: Every generated function that makes many steps.
         integrators: Names of the functions that follow a motion in steps, such as `("rollout_rk4",)`.
         operations: Operation counts of one evaluation of all outputs: "add", "multiply", "divide", "sqrt",
             "sincos", and "prepare", the operations of the parameter-only step; where they occur, also
@@ -42,6 +42,7 @@ class Source:
         certificate: The fields of the certificate of a budget, {} without one.
         module: The programs that were printed; None for a source that was not made by `render`.
         system: The system that the programs compute; None where only the description is known.
+        decided: Values and reasons of choices that were left to kanegen, as text by name of the choice.
 
     Example:
         >>> source = kg.generate(kg.load("models/double_pendulum.toml"))
@@ -64,11 +65,17 @@ class Source:
     system: System | None = field(default=None, repr=False, compare=False)
     rollouts: tuple[Rollout, ...] = ()
     integrators: tuple[str, ...] = ()
+    decided: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def parameters_by_state(self) -> bool:
         """Whether each state of a batch has its own parameters, so that `prepare` has a batch form."""
         return any(function.name == PREPARE and function.has_batch for function in self.functions)
+
+    @property
+    def has_batches(self) -> bool:
+        """Whether there are functions for many states at once."""
+        return any(function.has_batch for function in self.functions)
 
     @property
     def precision(self) -> str:

@@ -187,6 +187,11 @@ class Rollout:
         return INTEGRATORS[self.name]
 
     @property
+    def has_batch(self) -> bool:
+        """Whether it has a batch form."""
+        return self.step.has_batch
+
+    @property
     def doc(self) -> str:
         """One sentence for the documentation comment."""
         return f"Many steps by {self.method.title} of order {self.method.order}, with states on the way."

@@ -8,7 +8,7 @@ and the files. `c99` is the first target; its variants are the precisions and SI
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -39,6 +39,7 @@ class RenderInput:
         longest_part: Instructions of a function from which it is cut into parts.
         chosen: Names of the functions to print besides `prepare`, None for all.
         parameters_by_state: Whether each state of a batch has its own parameters.
+        batches: Whether there are functions for many states at once beside those for one.
     """
 
     model: ModelDescription
@@ -49,6 +50,7 @@ class RenderInput:
     longest_part: int = LONGEST_PART
     chosen: tuple[str, ...] | None = None
     parameters_by_state: bool = False
+    batches: bool = True
 
     @cached_property
     def selected(self) -> Module:
@@ -58,13 +60,14 @@ class RenderInput:
     @cached_property
     def programs(self) -> dict[Function, tuple[Program, ...]]:
         """Every function that is printed, with its parts."""
-        return signatures(self.selected, self.longest_part, self.parameters_by_state)
+        return signatures(self.selected, self.longest_part, self.parameters_by_state, self.batches)
 
     @cached_property
     def steps(self) -> dict[str, Function]:
         """The function of one step, by the name of every printed function that follows a motion."""
         are_rates = self.model.speeds_are_rates
-        return {name: step_function(name, self.programs, are_rates) for name in self.selected.integrators}
+        made = {name: step_function(name, self.programs, are_rates) for name in self.selected.integrators}
+        return {name: replace(step, has_batch=self.batches) for name, step in made.items()}
 
     @property
     def rollouts(self) -> tuple[Rollout, ...]:

@@ -36,6 +36,7 @@ from kanegen.cli.options import (
     Loads,
     Lock,
     Model,
+    NoBatches,
     Outputs,
     ParametersByState,
     Points,
@@ -110,6 +111,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     lock: Lock = None,
     reanchoring: Reanchoring = False,
     parameters_by_state: ParametersByState = False,
+    no_batches: NoBatches = False,
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
@@ -140,6 +142,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 reanchoring=reanchoring,
                 functions=function,
                 parameters_by_state=parameters_by_state,
+                batches=not no_batches,
             )
     source.write(output_dir, force=force)
     _show(system, source, output_dir)

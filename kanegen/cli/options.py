@@ -208,6 +208,13 @@ ParametersByState = Annotated[
         help="Let each state of a batch have its own run-time parameters, a row of the array `prepared`.",
     ),
 ]
+NoBatches = Annotated[
+    bool,
+    typer.Option(
+        "--no-batches",
+        help="Leave out the functions for many states at once, as on a microcontroller.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 JsonFile = Annotated[
     Path | None,

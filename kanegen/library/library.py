@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kanegen.c import Source
+from kanegen.errors import OptionError
 from kanegen.library.contacts import Contacts
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
@@ -43,11 +44,17 @@ def load(
 
     Raises:
         BuildError: If there is no compiler, it fails, or the compiled library cannot be loaded.
+        OptionError: If `source` has no functions for many states, which `Library` calls.
 
     Example:
         source = kg.generate(system)
         library = kanegen.library.load(source)
     """
+    if not source.has_batches:
+        raise OptionError(
+            f"{source.model.name}: this code has no functions for many states, which a library calls. "
+            "Generate it without batches=False."
+        )
     recipe = Recipe.of(source, compiler, flags, threads)
     return Library(NativeLibrary.made(recipe), dict(source.model.parameters), checked_on_status(on_status))
 
