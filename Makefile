@@ -1,4 +1,4 @@
-# Three commands set everything up by themselves: `make view`, `make demo` and `make test`.
+# Three commands set everything up by themselves: `make view`, `make demo` and `make test`; so does `make embed`.
 
 PYTHON ?= python3
 VENV := .venv
@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
 
-.PHONY: demo view test slow lint generated bench growth extremes gimbal-lock tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
+.PHONY: demo view test slow embed call-times lint generated bench growth extremes gimbal-lock tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
 
 # Simulate an arm that turns about its column, and show its motion in the browser.
 view: $(VENV)/.kanegen
@@ -24,7 +24,19 @@ test: lint
 
 # Run the tests that take too long for every change.
 slow: $(VENV)/.tests
-	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow and not embed"
+
+# Install what uses generated code in other programs, and test the code in it: `make embed-rust` for one program,
+# `make embed` for all.
+embed: $(VENV)/.tests
+	$(BIN)/python -m tests.embedding
+
+embed-%: $(VENV)/.tests
+	$(BIN)/python -m tests.embedding $*
+
+# Time calls through each of these programs beside the C alone, and rewrite docs/embedding/call-times.md.
+call-times: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.embedding
 
 lint: $(VENV)/.tests
 	$(BIN)/ruff check

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import pydoc
 import re
-import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,38 +12,18 @@ import pytest
 import kanegen as kg
 from kanegen.library.native import compilers
 from kanegen.recursion.outputs import OUTPUTS
+from tests.support.pages import blocks, copy_of_checkout, run
 from tests.support.paths import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
-BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
-"""The language and the text of every fenced block."""
-
-COMMANDS = [line for language, text in BLOCKS if not language for line in text.splitlines()]
-
-
-def run(command: list[str], folder: Path) -> str:
-    """Run a command in `folder` and return what it prints; a status other than 0 fails the test."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        command,
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout
-    return done.stdout
+COMMANDS = [line for text in blocks(ROOT / "README.md", "") for line in text.splitlines()]
 
 
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A folder with the examples and the models, where commands may write."""
-    for name in ("examples", "models"):
-        shutil.copytree(ROOT / name, tmp_path / name)
-    return tmp_path
+    return copy_of_checkout(tmp_path)
 
 
 def test_commands_and_c_of_the_readme(checkout: Path) -> None:
@@ -54,7 +31,7 @@ def test_commands_and_c_of_the_readme(checkout: Path) -> None:
     assert len(commands) == 5
     for _, *arguments in commands:
         assert run([sys.executable, "-m", "kanegen", *arguments], checkout)
-    (code,) = (text for language, text in BLOCKS if language == "c")
+    (code,) = blocks(ROOT / "README.md", "c")
     include, *statements = code.strip().splitlines()
     program = [include, "int main(void)", "{", "double x[3] = {0, 0.5, -0.3}, y[3] = {0};", *statements]
     folder = checkout / "build" / "arm"
@@ -64,7 +41,7 @@ def test_commands_and_c_of_the_readme(checkout: Path) -> None:
 
 
 def test_python_of_the_readme(checkout: Path) -> None:
-    (code,) = (text for language, text in BLOCKS if language == "python")
+    (code,) = blocks(ROOT / "README.md", "python")
     printed = run([sys.executable, "-c", code], checkout)
     assert printed.startswith("('column_joint', 'shoulder_joint', 'elbow_joint')\narm: passed over 1000")
 

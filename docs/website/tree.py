@@ -12,6 +12,7 @@ INDEX_PAGES = (
     "index",
     "tutorials/index",
     "guides",
+    "embedding",
     "trust",
     "cost",
     "models/README",

@@ -1,0 +1,97 @@
+"""The frame of tests of embedding: tools that are missing are named with the line that installs them."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks.embedding.__main__ import document, measures
+from benchmarks.embedding.row import Row, in_turns, turn_of
+from kanegen.measure.machine import Machine
+from kanegen.measure.timing import Times
+from tests.embedding.__main__ import files, install
+from tests.support.pages import blocks
+from tests.support.pages import files as saved
+from tests.support.paths import ROOT
+from tests.support.tools import TOOLS, Package, Program, missing
+
+
+def test_a_missing_program_is_named_with_the_line_that_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    assert missing("cargo") == "cargo is not installed: apt-get install -y --no-install-recommends cargo"
+
+
+def test_a_missing_package_is_named_with_its_extra() -> None:
+    assert Package("no_such_module", "jax").is_missing()
+    assert Package("no_such_module", "jax").install == "pip install 'kanegen[jax]'"
+
+
+def test_tools_that_cannot_be_installed_end_with_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.geteuid", lambda: 1000)
+    absent = Program("no-such-program", ("its-package",))
+    line = r"^missing: no-such-program\. .*sudo apt-get install -y .* its-package$"
+    with pytest.raises(SystemExit, match=line):
+        install([absent])
+
+
+TEST = """
+import pytest
+
+@pytest.mark.embed("{tool}")
+def test_of_a_tool():
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("tool", "message"), [("cargo", "cargo is not installed: apt-get install"), ("carg", "no such tool")]
+)
+def test_tests_fail_without_their_tool(tool: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "conftest.py").write_text("from tests.embedding.conftest import *\n")
+    (tmp_path / "test_one.py").write_text(TEST.format(tool=tool))
+    command = [sys.executable, "-m", "pytest", "-q", "-m", "", "-c", ROOT / "pyproject.toml", tmp_path]
+    options = {"cwd": ROOT, "env": {"PATH": str(tmp_path)}, "capture_output": True, "text": True}
+    done = subprocess.run([*map(str, command), "-p", "no:cacheprovider"], check=False, **options)
+    assert done.returncode != 0
+    assert message in done.stdout + done.stderr
+
+
+def test_every_target_of_the_index_is_the_name_of_a_file() -> None:
+    text = (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8")
+    targets = re.findall(r"`make embed-([\w-]+)`", text)
+    assert len(targets) == len(set(targets))
+    assert files().keys() <= set(targets)
+
+
+def test_versions_of_tools_are_printed() -> None:
+    assert re.match(r"numpy: \d", Package("numpy", "").describe())
+    assert re.search(r"\d\.\d", Program("gcc", ("gcc",)).describe())
+    assert all(name == getattr(tool, "command", getattr(tool, "module", "")) for name, tool in TOOLS.items())
+
+
+def test_call_times_have_a_row_for_each_call() -> None:
+    row = Row("a program", "a call", *in_turns(lambda: 10.0, lambda: 35.0, rounds=3), "program 1.0")
+    assert row.beyond == 25.0
+    text = document([row], ["another, because it is missing"], Machine.here())
+    assert "| a program | a call | 10.0 | 35.0 | 25.0 |" in text
+    assert "Left out: another" in text and "- program 1.0" in text
+    assert Row("a", "b", Times((1.0, 9.0, 1.0)), Times((5.0, 9.0, 4.0)), "").beyond == 3.0
+    assert turn_of(lambda: None, seconds=1e-4) > 0.0
+    assert all(callable(measure) for measure in measures().values())
+
+
+def test_blocks_of_a_page_are_found_by_language_and_by_file(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# A\n\n```cpp title\nint a;\n```\n\n<!-- file: src/main.c -->\n\n```c\nint b;\n```\n\n"
+        "````text\n```c\n```\n````\n```\nplain\n```\n"
+    )
+    assert saved(page) == {"src/main.c": "int b;\n"}
+    assert blocks(page, "cpp") == ["int a;\n"]
+    assert blocks(page, "c") == ["int b;\n"]
+    assert blocks(page, "text") == ["```c\n```\n"]
+    assert blocks(page, "") == ["plain\n"]
