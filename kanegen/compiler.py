@@ -33,11 +33,11 @@ from numpy.typing import ArrayLike
 
 from kanegen import library as libraries
 from kanegen import recursion, symbolic
-from kanegen.artifacts import ARTIFACTS, with_artifacts
+from kanegen.artifacts import chosen, outputs_with, variant_with, with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
-from kanegen.choices import flag, several
+from kanegen.choices import flag
 from kanegen.errors import OptionError, SingularError, quoted
 from kanegen.library.equilibria import OUTPUTS as EQUILIBRIUM_OUTPUTS
 from kanegen.library.equilibria import Equilibria, find_equilibria
@@ -133,7 +133,7 @@ def derive(
 
 def generate(
     system: System,
-    outputs: Iterable[str] = EQUATIONS,
+    outputs: Iterable[str] | None = None,
     progress: Progress = quiet,
     without: Iterable[str] | None = None,
     precision: str | None = None,
@@ -152,10 +152,11 @@ def generate(
     Args:
         system: The tree of bodies.
         outputs: Names among `recursion.outputs.OUTPUTS`; the code for several shares its intermediates. Also
-            names among `recursion.outputs.INTEGRATORS`, such as "rollout_rk4", which add what they call.
+            names among `recursion.outputs.INTEGRATORS`, such as "rollout_rk4", which add what they call. By
+            default mass_matrix, forcing, and what `artifacts` call.
         progress: Function that is called with the name of each stage.
         without: Passes to leave out; see `options.chosen_variant`, as for `precision` and `tier`.
-        precision: Arithmetic of the C.
+        precision: Arithmetic of the C, by default double, or what `artifacts` take.
         tier: Name of a tier, or a `Variant`: all other choices between speed and accuracy.
         speeds: Generalized speeds, as for `System.with_speeds`; by default those of the system.
         reanchoring: Whether to add `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does.
@@ -170,8 +171,9 @@ def generate(
             functions for one state alone, as on a microcontroller.
 
     Raises:
-        OptionError: If an output, a tier or another choice is unknown, there is nothing to re-anchor, or the
-            system has no run-time parameters, or no batches, in which they could differ from state to state.
+        OptionError: If an output, a tier or another choice is unknown, an artifact cannot stand beside the
+            code or calls outputs that it lacks, or the system has no run-time parameters, or no batches, in
+            which they could differ from state to state.
         ModelError: If numbers of the model leave the range of doubles, or a constant that of the precision.
         SingularError: If an output solves with [A], as forward_dynamics does, and [A] is singular in every
             state; the message names the bodies, the freedoms and the outputs that remain.
@@ -180,8 +182,11 @@ def generate(
         kg.generate(kg.load("models/eight_body.toml"), precision="float").write("build/")
     """
     system = reformulated(system, speeds, coordinates)
-    variant = chosen_variant(tier, precision=precision, without=without)
-    compiled = compile_module(system, outputs, progress, variant)
+    asked = (*chosen(artifacts), *(["reanchoring"] if flag("reanchoring", reanchoring) else []))
+    variant = variant_with(
+        asked, chosen_variant(tier, precision=precision, without=without), precision=precision
+    )
+    compiled = compile_module(system, outputs_with(asked, system, outputs), progress, variant)
     progress("printing")
     decided = {"refinement": compiled.refinement}
     model = description(system)
@@ -196,9 +201,7 @@ def generate(
         flag("parameters_by_state", parameters_by_state),
         flag("batches", batches),
     )
-    asked = several("artifacts", "artifact", artifacts, ARTIFACTS)
-    source = replace(source, system=system)
-    return with_artifacts(source, [*asked, *(["reanchoring"] if flag("reanchoring", reanchoring) else [])])
+    return with_artifacts(replace(source, system=system), asked)
 
 
 def build(

@@ -2,7 +2,8 @@
 
 An artifact is a function from a `Source` to files; `ARTIFACTS` is the list of all. A new artifact is a module
 here and an entry in the list; it reads the model from `source.model` and the functions from
-`source.functions`. Code that the generated functions need belongs to a target of `kanegen.c`, not here.
+`source.functions`, and says which outputs it calls, so that `generate` adds them. Code that the generated
+functions need belongs to a target of `kanegen.c`, not here.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from kanegen.artifacts.artifact import Artifact
+from kanegen.artifacts.artifact import Artifact, lacking
 from kanegen.artifacts.certificate import certificate
 from kanegen.artifacts.certificate import refusal as certificate_refusal
 from kanegen.artifacts.example import example
@@ -18,12 +19,15 @@ from kanegen.artifacts.package_files import cmake, pkg_config, readme
 from kanegen.artifacts.reanchoring import reanchoring
 from kanegen.artifacts.reanchoring import refusal as reanchoring_refusal
 from kanegen.artifacts.selftest import selftest
-from kanegen.c.folder import with_provenance
+from kanegen.c.provenance import with_provenance
 from kanegen.c.source import Source
 from kanegen.choices import several
 from kanegen.errors import OptionError
+from kanegen.model.system import System
+from kanegen.options import STRICT, Variant
+from kanegen.recursion.outputs import EQUATIONS, INTEGRATORS, OUTPUTS
 
-__all__ = ["ARTIFACTS", "Artifact", "with_artifacts"]
+__all__ = ["ARTIFACTS", "Artifact", "chosen", "outputs_with", "variant_with", "with_artifacts"]
 
 
 def _not_in_c(source: Source) -> str:
@@ -45,6 +49,65 @@ ARTIFACTS: dict[str, Artifact] = {
 """Every artifact by its name, in the order of `Source.files`."""
 
 
+def chosen(names: Iterable[str] | str) -> tuple[str, ...]:
+    """Return the names of artifacts that a user chose, checked, each once, in the order of `ARTIFACTS`.
+
+    Raises:
+        OptionError: If an artifact is unknown, or `names` holds no names.
+    """
+    return several("artifacts", "artifact", names, ARTIFACTS)
+
+
+def outputs_with(
+    artifacts: Iterable[str], system: System, outputs: Iterable[str] | str | None = None
+) -> tuple[str, ...]:
+    """Return the outputs to generate for artifacts: the user's, or else the usual ones and those they call.
+
+    Args:
+        artifacts: Names of artifacts, checked.
+        system: The tree.
+        outputs: The outputs that the user names, None for none.
+
+    Raises:
+        OptionError: If an artifact calls an output that the user's outputs lack, or one of these is unknown.
+
+    Example:
+        >>> outputs_with(["casadi"], system)
+        ('mass_matrix', 'forcing', 'forward_dynamics', 'forward_dynamics_derivatives')
+    """
+    needed = {name: ARTIFACTS[name].needed_outputs(system) for name in artifacts}
+    if outputs is None:
+        return tuple(dict.fromkeys((*EQUATIONS, *(output for each in needed.values() for output in each))))
+    asked = several("outputs", "output", outputs, (*OUTPUTS, *INTEGRATORS))
+    for name, called in needed.items():
+        if missing := lacking([output for output in called if output not in asked]):
+            raise OptionError(f"{name}: {missing}")
+    return asked
+
+
+def variant_with(artifacts: Iterable[str], variant: Variant = STRICT, *, precision: str | None) -> Variant:
+    """Return a variant with the precision that artifacts take where the user names none.
+
+    Args:
+        artifacts: Names of artifacts, checked.
+        variant: The choices of the user.
+        precision: The precision that the user names, None for none. A variant whose precision is not double
+            names one, too.
+
+    Raises:
+        OptionError: If two artifacts take different precisions.
+    """
+    taken = {ARTIFACTS[name].precision: name for name in artifacts if ARTIFACTS[name].precision}
+    if precision is not None or variant.precision != STRICT.precision or not taken:
+        return variant
+    if len(taken) > 1:
+        words = " and ".join(f"{name} takes {one}" for one, name in taken.items())
+        raise OptionError(
+            f"{words}, and one folder holds one precision. Give --precision, or generate them one by one."
+        )
+    return replace(variant, precision=next(iter(taken)))
+
+
 def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     """Return `source` with the default artifacts and the artifacts `names` among its files.
 
@@ -58,14 +121,15 @@ def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     Example:
         >>> with_artifacts(source, ["self-test"]).files["selftest.c"]
     """
-    asked = several("artifacts", "artifact", names, ARTIFACTS)
-    possible = {name: artifact for name, artifact in ARTIFACTS.items() if not artifact.refusal(source)}
+    asked = chosen(names)
+    obstacles = {name: artifact.obstacle(source) for name, artifact in ARTIFACTS.items()}
     for name in asked:
-        if name not in possible:
-            raise OptionError(ARTIFACTS[name].refusal(source))
+        if obstacles[name]:
+            raise OptionError(f"{name}: {obstacles[name]}")
     files = dict(source.files)
-    for name, artifact in possible.items():
-        if artifact.is_default or name in asked:
-            made = artifact.files(source)
+    possible = [name for name in ARTIFACTS if not obstacles[name]]
+    for name in possible:
+        if ARTIFACTS[name].is_default or name in asked:
+            made = ARTIFACTS[name].files(source)
             files |= {file: with_provenance(file, text) for file, text in made.items()}
     return replace(source, files=files, artifacts=tuple(possible))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.c.source import Source
+from kanegen.choices import require_one
+from kanegen.model.system import System
+from kanegen.program.precision import PRECISIONS
 
 
 def _never(source: Source) -> str:
@@ -20,9 +23,20 @@ class Artifact:
     Attributes:
         name: Name of the artifact, as users write it.
         summary: Purpose of the artifact, in one sentence.
-        files: Function from a source to the text of each file by name, without the line of provenance.
+        files: Function from a source to the text of each file, without the line of provenance. The key is the
+            path of the file in the folder of the source, such as "rust/src/lib.rs".
         refusal: Function from a source to the reason why the source cannot have this artifact, "" if it can.
         is_default: Whether every source that can have the artifact gets it.
+        outputs: Names of the outputs whose functions the artifact calls, or a function from a system to them.
+            `generate` adds them where the user names no outputs.
+        precision: Precision of the arithmetic that the artifact takes where the user names none, one of
+            `precision.PRECISIONS`; "" for that of the source.
+
+    Raises:
+        OptionError: If there is no such precision.
+
+    Example:
+        Artifact("certificate", "Records how a budget is kept.", certificate, refusal)
     """
 
     name: str
@@ -30,3 +44,38 @@ class Artifact:
     files: Callable[[Source], Mapping[str, str]]
     refusal: Callable[[Source], str] = _never
     is_default: bool = False
+    outputs: Sequence[str] | Callable[[System], Sequence[str]] = ()
+    precision: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that there is such a precision."""
+        if self.precision:
+            require_one("precision", self.precision, PRECISIONS)
+
+    def needed_outputs(self, system: System) -> tuple[str, ...]:
+        """Return the names of the outputs whose functions the artifact calls, for a system."""
+        return tuple(self.outputs(system) if callable(self.outputs) else self.outputs)
+
+    def obstacle(self, source: Source) -> str:
+        """Return why a source cannot have the artifact, with how to mend it, "" if it can."""
+        if why := self.refusal(source):
+            return why
+        if not callable(self.outputs):
+            return self._lack(self.outputs, source)
+        if source.system is None:
+            return "this source does not carry its system. Generate it anew with kg.generate."
+        return self._lack(self.outputs(source.system), source)
+
+    @staticmethod
+    def _lack(needed: Iterable[str], source: Source) -> str:
+        """Return a sentence on the functions among `needed` that a source lacks, "" if it has all."""
+        functions = {one.name for one in source.functions} | {one.name for one in source.rollouts}
+        return lacking([name for name in needed if name not in functions])
+
+
+def lacking(outputs: Sequence[str]) -> str:
+    """Return a sentence on outputs that an artifact needs and a user's choice lacks, "" if there are none."""
+    if not outputs:
+        return ""
+    options = " ".join(f"--output {name}" for name in outputs)
+    return f"the code lacks {', '.join(outputs)}, which it calls. Add {options}, or name none."

@@ -9,7 +9,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from kanegen.c.folder import with_provenance
+from kanegen.c.provenance import with_provenance
 from kanegen.c.source import Source
 
 SUFFIX = "_certificate.json"

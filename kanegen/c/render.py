@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.description import ModelDescription
-from kanegen.c.folder import with_provenance
 from kanegen.c.formats import require_range
+from kanegen.c.provenance import with_provenance
 from kanegen.c.source import Source
 from kanegen.c.steps import arrays_of_rates
 from kanegen.c.target import RenderInput, Target

@@ -122,6 +122,7 @@ EXCLUDED = (
     "reactions",
     "contacts",
     "reanchoring",
+    "for_",
 )
 """Names of the options that a budget excludes, because the budget makes these choices."""
 
@@ -132,7 +133,7 @@ def has_budget(context: typer.Context) -> bool:
     Raises:
         OptionError: If the options that were typed contradict each other.
     """
-    typed = {name for name in context.params if _is_typed(context, name)}
+    typed = {name for name in context.params if is_typed(context, name)}
     budgets = [f"--{name}" for name in BUDGETS if name in typed]
     if len(budgets) > 1:
         raise OptionError("--error and --budget: give one of them. The search minimises the other.")
@@ -141,7 +142,7 @@ def has_budget(context: typer.Context) -> bool:
         if idle:
             raise OptionError(f"{', '.join(idle)}: only with a budget. Add --error 1e-9 or --budget 200ns.")
         return False
-    rivals = [f"--{name}" for name in EXCLUDED if name in typed]
+    rivals = [f"--{name.rstrip('_')}" for name in EXCLUDED if name in typed]
     if rivals:
         raise OptionError(
             f"{', '.join(rivals)}: not with {budgets[0]}, which chooses the variant, for forward_dynamics. "
@@ -150,7 +151,7 @@ def has_budget(context: typer.Context) -> bool:
     return True
 
 
-def _is_typed(context: typer.Context, name: str) -> bool:
+def is_typed(context: typer.Context, name: str) -> bool:
     """Return whether an option was typed on the command line."""
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"

@@ -22,14 +22,16 @@ from kanegen.cli.budget_options import (
     SelectStates,
     TimeBudget,
     has_budget,
+    is_typed,
 )
-from kanegen.cli.loading import load_system, with_places, with_selection
+from kanegen.cli.loading import load_system, names_of, with_places, with_selection
 from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
     Contacts,
     Coordinates,
     FloatingBase,
+    For,
     Frames,
     Functions,
     JointDynamics,
@@ -76,6 +78,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
             help="Name of the system, by default that of MODEL; files begin with it.",
         ),
     ] = None,
+    for_: For = None,
     function: Functions = None,
     frames: Frames = None,
     reactions: Reactions = None,
@@ -115,18 +118,22 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
+    With --for, files for other languages and programs are added, such as `--for cpp,rust`.
+
     With --error, kanegen chooses the fastest variant of forward dynamics whose error stays below a budget;
     with --budget, the most accurate one whose time does. It measures all variants on this machine, validates
     the chosen one in fresh states, searches for counterexamples and writes a certificate of the result. This
     takes minutes and needs `pip install 'kanegen[study]'`.
     """
-    from kanegen import compiler, options
+    from kanegen import artifacts, compiler, options
 
     keeps_budget = has_budget(context)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
-    system = with_selection(system, output, frames, reactions, contacts)
+    asked = artifacts.chosen(names_of("--for", for_))
+    outputs = artifacts.outputs_with(asked, system, output if is_typed(context, "output") else None)
+    system = with_selection(system, outputs, frames, reactions, contacts)
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)
     else:
@@ -134,12 +141,15 @@ def generate(  # noqa: PLR0913  (an argument for every option)
             variant = options.chosen_variant(
                 tier, precision=precision, without=without, storage=storage, sincos=sincos
             )
+            variant = artifacts.variant_with(asked, variant, precision=precision)
             source = compiler.generate(
                 system,
-                outputs=output,
-                progress=report,
+                outputs,
+                report,
+                precision=variant.precision,
                 tier=variant,
                 reanchoring=reanchoring,
+                artifacts=asked,
                 functions=function,
                 parameters_by_state=parameters_by_state,
                 batches=not no_batches,

@@ -132,6 +132,18 @@ def with_places(system: System, points: Sequence[str] | None, loads: str | None)
     return system if loads is None else system.with_loads(_names(loads))
 
 
+def names_of(option: str, texts: Sequence[str] | None) -> list[str]:
+    """Return the names in the texts of an option that is repeatable, each text one name or several.
+
+    Raises:
+        OptionError: If a text holds no name.
+    """
+    for text in texts or ():
+        if not _names(text):
+            raise OptionError(f"{option}: {quoted(text)} names nothing. Name one at least, or leave it out.")
+    return [name for text in texts or () for name in _names(text)]
+
+
 def _require_output(option: str, among: Sequence[str], outputs: Sequence[str]) -> None:
     """Make sure that one of the outputs to which an option applies is computed."""
     if not set(among).intersection(outputs):

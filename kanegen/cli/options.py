@@ -75,6 +75,23 @@ Outputs = Annotated[
         "step_linearly_implicit, rollout_linearly_implicit.",
     ),
 ]
+TARGETS = (
+    "reanchoring",
+    "certificate",
+    "self-test",
+)
+"""Names of the artifacts that `kanegen generate` writes where they are asked for, one a line."""
+
+For = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--for",
+        metavar="NAMES",
+        help="Also write files for other languages and programs, one name or several separated by commas "
+        f"(repeatable). Outputs that they call are added unless --output names some: {', '.join(TARGETS)}.",
+        show_default=False,
+    ),
+]
 Functions = Annotated[
     list[str] | None,
     typer.Option(

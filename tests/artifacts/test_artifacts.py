@@ -1,11 +1,14 @@
 """The list of artifacts: what can stand beside a source, and a new one through the same mechanism."""
 
 import pytest
+from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen import artifacts
 from kanegen.artifacts import ARTIFACTS, Artifact, with_artifacts
+from kanegen.cli.app import app
 from kanegen.errors import OptionError
+from tests.support.handmade import source as handmade
 from tests.support.paths import MODELS
 
 DEFAULT = ["example", "cmake", "pkg-config", "readme"]
@@ -17,7 +20,9 @@ def source():
 
 
 def test_a_source_names_what_can_stand_beside_it(source):
-    assert source.artifacts == (*DEFAULT, "self-test")
+    assert source.artifacts == tuple(name for name, one in ARTIFACTS.items() if not one.obstacle(source))
+    assert {*DEFAULT, "self-test"} <= set(source.artifacts)
+    assert not {"reanchoring", "certificate"} & set(source.artifacts)
     assert [name for name, artifact in ARTIFACTS.items() if artifact.is_default] == DEFAULT
 
 
@@ -61,3 +66,92 @@ def test_a_single_artifact_may_be_a_string(source):
 def test_artifacts_that_are_no_names_are_refused(artifacts):
     with pytest.raises(OptionError, match="artifacts: expected names"):
         kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=artifacts)
+
+
+def names_of(given):
+    return {"names/of/all.txt": "\n".join(function.name for function in given.functions) + "\n"}
+
+
+def solved(system):
+    return ["forward_dynamics", *([] if system.speeds_are_rates else ["coordinate_rates"])]
+
+
+@pytest.fixture
+def targets(monkeypatch):
+    """Three artifacts that need outputs, one of them by a function of the system, and precisions."""
+    for artifact in (
+        Artifact("rust", "Calls two outputs.", names_of, outputs=solved, precision="float"),
+        Artifact("energy", "Calls one output.", names_of, outputs=("kinetic_energy",)),
+        Artifact("wide", "Takes double.", names_of, precision="double"),
+    ):
+        monkeypatch.setitem(artifacts.ARTIFACTS, artifact.name, artifact)
+
+
+def test_outputs_that_artifacts_call_are_added(targets):
+    system = kg.load(MODELS / "planar_pendulum.toml")
+    made = kg.generate(system, artifacts=["rust", "energy"])
+    assert made.outputs == ("mass_matrix", "forcing", "forward_dynamics", "kinetic_energy")
+    assert made.files["names/of/all.txt"].splitlines()[1:] == [*made.outputs, "evaluate"]
+    ball = kg.load(MODELS / "satellite.toml")
+    assert "coordinate_rates" in kg.generate(ball, artifacts="rust").outputs
+    assert "rust" not in kg.generate(system).artifacts
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            {"outputs": ["forcing"]},
+            "rust: the code lacks forward_dynamics, which it calls. Add --output forward_dynamics, or name",
+        ),
+        ({"outputs": "forcin"}, "unknown output 'forcin'. Did you mean 'forcing'"),
+        ({"outputs": 3}, "outputs: expected names, got 3"),
+        ({"functions": ["forcing"]}, "rust: the code lacks forward_dynamics"),
+    ],
+)
+def test_outputs_of_the_user_that_lack_what_an_artifact_calls(targets, options, message):
+    with pytest.raises(OptionError, match=message):
+        kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=["rust"], **options)
+
+
+def test_code_that_was_made_without_them_is_refused(source, targets):
+    with pytest.raises(OptionError, match="energy: the code lacks kinetic_energy"):
+        with_artifacts(source, "energy")
+    with pytest.raises(OptionError, match="rust: this source does not carry its system"):
+        with_artifacts(handmade(), "rust")
+
+
+@pytest.mark.parametrize(
+    ("options", "precision"),
+    [
+        ({"artifacts": "rust"}, "float"),
+        ({"artifacts": ["rust", "energy"]}, "float"),
+        ({"artifacts": "rust", "precision": "double"}, "double"),
+        ({"artifacts": "rust", "tier": "exact"}, "double-double"),
+        ({"artifacts": ["rust", "wide"], "precision": "float"}, "float"),
+        ({"artifacts": "energy"}, "double"),
+    ],
+)
+def test_an_artifact_sets_the_precision_where_the_user_names_none(targets, options, precision):
+    assert kg.generate(kg.load(MODELS / "planar_pendulum.toml"), **options).precision == precision
+
+
+def test_two_artifacts_with_different_precisions(targets):
+    with pytest.raises(OptionError, match=r"rust takes float and wide takes double, .* Give --precision"):
+        kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=["rust", "wide"])
+
+
+def test_an_unknown_precision_of_an_artifact():
+    with pytest.raises(OptionError, match="unknown precision 'flot'"):
+        Artifact("rust", "Calls two outputs.", names_of, precision="flot")
+
+
+@pytest.mark.parametrize("names", [["--for", "rust,energy"], ["--for", "energy", "--for", "rust"]])
+def test_targets_on_the_command_line(targets, tmp_path, names):
+    arguments = ["generate", str(MODELS / "planar_pendulum.toml"), "-o", str(tmp_path), *names]
+    CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert (tmp_path / "names" / "of" / "all.txt").is_file()
+    assert (
+        "int planar_pendulum_forward_dynamics(const float x[2]"
+        in (tmp_path / "planar_pendulum.h").read_text()
+    )

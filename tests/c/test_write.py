@@ -4,11 +4,14 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
+import wasmtime
 
-from kanegen.c.folder import is_unchanged, require_room, with_provenance
+from kanegen.c.folder import require_room, write
+from kanegen.c.provenance import is_unchanged, with_provenance, with_provenance_at_end
 from kanegen.errors import WriteError
 from tests.support.handmade import source
 from tests.support.paths import ROOT
@@ -217,3 +220,155 @@ def test_a_path_that_cannot_be(generated, tmp_path, folder):
     for attempt in (generated.write, lambda path: require_room(generated.files, path)):
         with pytest.raises(WriteError, match=r": cannot be written: .*Choose another folder"):
             attempt(Path(tmp_path) / folder)
+
+
+def tree(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+    }
+
+
+ZIP = b"PK\x03\x04 an archive \0\0"
+WASM = b"\0asm\x01\0\0\0"
+
+
+def nested(generated):
+    """The files of a source, and some in folders below it, among them two that are binary."""
+    files = {
+        "rust/src/lib.rs": with_provenance("lib.rs", "#![no_std]\n"),
+        "rust/Cargo.toml": with_provenance("Cargo.toml", "[package]\n"),
+        "model.fmu": with_provenance_at_end(ZIP),
+        "web/model.wasm": with_provenance_at_end(WASM),
+    }
+    return {**generated.files, **files}
+
+
+def as_bytes(files):
+    return {name: one if isinstance(one, bytes) else one.encode() for name, one in files.items()}
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_files_in_folders_below(generated, tmp_path, exists):
+    folder = tmp_path / "out"
+    if exists:
+        generated.write(folder)
+    for _ in range(2):
+        require_room(nested(generated), folder)
+        write(nested(generated), folder)
+        assert tree(folder) == as_bytes(nested(generated))
+
+
+def test_a_check_of_room_leaves_no_folders(generated, tmp_path):
+    generated.write(tmp_path)
+    require_room(nested(generated), tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(generated.files)
+
+
+@pytest.mark.parametrize(
+    ("name", "met"),
+    [
+        ("rust/mine.txt", "rust/mine.txt"),
+        ("rust/target/deep/x.o", "rust/target"),
+        ("rust/src/lib.rs", "rust/src/lib.rs"),
+        ("other/x", "other"),
+        ("web/model.wasm", "web/model.wasm"),
+        ("model.fmu", "model.fmu"),
+    ],
+)
+def test_other_files_in_folders_below_are_never_touched(generated, tmp_path, name, met):
+    write(nested(generated), tmp_path)
+    (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / name).write_bytes(b"PK\x03\x04 mine \0\0")
+    with pytest.raises(WriteError, match=f": holds {met}, which are not this model's files"):
+        write(nested(generated), tmp_path)
+    write(nested(generated), tmp_path, force=True)
+    assert tree(tmp_path) == {**tree(tmp_path), **as_bytes(nested(generated))}
+
+
+def test_a_link_to_a_folder_elsewhere_is_not_followed(generated, tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "rust").symlink_to(elsewhere)
+    with pytest.raises(WriteError, match=": holds rust, which are not this model's files"):
+        write(nested(generated), tmp_path / "out")
+    assert not any(elsewhere.iterdir())
+
+
+def test_folders_that_differ_in_case_from_those_below(generated, tmp_path):
+    (tmp_path / "Rust").mkdir()
+    with pytest.raises(WriteError, match=r"holds Rust, which is the same file as rust on disks that ignore"):
+        write(nested(generated), tmp_path)
+
+
+def test_a_file_where_a_folder_is_needed(generated, tmp_path):
+    (tmp_path / "rust").write_text("mine")
+    with pytest.raises(WriteError, match=": holds rust, which are not"):
+        write(nested(generated), tmp_path)
+    with pytest.raises(WriteError, match="cannot be written: File exists"):
+        write(nested(generated), tmp_path, force=True)
+    assert tree(tmp_path) == {"rust": b"mine"}
+
+
+def test_new_folders_go_away_with_files_that_cannot_be_written(generated, tmp_path, monkeypatch):
+    generated.write(tmp_path)
+    before = tree(tmp_path)
+    write_bytes = Path.write_bytes
+
+    def full(path, data):
+        if b"[package]" in data:
+            raise OSError(28, "No space left on device")
+        return write_bytes(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(WriteError, match="No space left on device"):
+        write(nested(generated), tmp_path)
+    assert tree(tmp_path) == before
+    assert {path.name for path in tmp_path.iterdir()} == set(before)
+
+
+@pytest.mark.parametrize("data", [ZIP, WASM])
+def test_binary_files_hold_the_line_at_their_end(data):
+    whole = with_provenance_at_end(data)
+    assert whole.endswith(b"Do not edit.")
+    assert is_unchanged(whole)
+    assert is_unchanged(whole.replace(b"kanegen 0.1.0", b"kanegen 9.9.9"))
+    assert not is_unchanged(whole.replace(b"\0", b"\1", 1))
+    assert not is_unchanged(whole + b"\0")
+    assert not is_unchanged(data)
+
+
+def test_an_archive_and_a_module_stay_readable(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("x.txt", "content")
+    (tmp_path / "b.zip").write_bytes(with_provenance_at_end((tmp_path / "a.zip").read_bytes()))
+    with zipfile.ZipFile(tmp_path / "b.zip") as archive:
+        assert archive.read("x.txt") == b"content"
+        assert archive.comment.startswith(b"Generated by kanegen")
+    wasmtime.Module(wasmtime.Engine(), with_provenance_at_end(WASM))
+
+
+def test_other_binary_files_have_no_room_for_the_line():
+    with pytest.raises(ValueError, match="only ZIP archives without a comment and modules of WebAssembly"):
+        with_provenance_at_end(b"\x7fELF")
+
+
+def test_the_declaration_of_xml_stays_in_front():
+    text = '<?xml version="1.0" encoding="UTF-8"?>\n<a/>\n'
+    whole = with_provenance("modelDescription.xml", text)
+    assert whole.splitlines()[0] == text.splitlines()[0]
+    assert whole.splitlines()[1].startswith("<!-- Generated by kanegen")
+    assert is_unchanged(whole)
+    assert not is_unchanged(whole.replace("1.0", "1.1"))
+
+
+@pytest.mark.parametrize(
+    "name", ["a.rs", "a.toml", "a.m", "a.py", "a.ts", "a.js", "a.hpp", "a.ino", "a.ld", "a.S"]
+)
+def test_comments_of_other_languages(name):
+    assert is_unchanged(with_provenance(name, "x\n"))
+
+
+def test_a_suffix_without_a_comment_is_an_error():
+    with pytest.raises(ValueError, match=r"no first line for the suffix '\.xyz'"):
+        with_provenance("a.xyz", "")

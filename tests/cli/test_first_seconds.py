@@ -10,6 +10,7 @@ import pytest
 import typer
 
 from kanegen import options
+from kanegen.artifacts import ARTIFACTS
 from kanegen.cli import options as cli_options
 from kanegen.cli.app import COMMANDS, app
 from kanegen.cli.bench import DEFAULT_PEERS
@@ -57,6 +58,7 @@ def help_of(command: str, name: str) -> str:
     ("command", "name", "known"),
     [
         ("generate", "output", [*OUTPUTS, *INTEGRATORS]),
+        ("generate", "for_", [name for name, one in ARTIFACTS.items() if not one.is_default]),
         ("generate", "without", passes.PASS_NAMES),
         ("generate", "precision", precision.PRECISIONS),
         ("generate", "tier", options.TIERS),

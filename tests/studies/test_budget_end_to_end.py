@@ -14,7 +14,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.artifacts.certificate import certificate_text
-from kanegen.c.folder import with_provenance
+from kanegen.c.provenance import with_provenance
 from kanegen.errors import BudgetError, CertificateError, OptionError, ReadError
 from kanegen.measure.truth import measure
 from kanegen.options import AUTO, STRICT

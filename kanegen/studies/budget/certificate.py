@@ -19,7 +19,7 @@ import numpy as np
 
 from kanegen import __version__
 from kanegen.c import Source
-from kanegen.c.folder import is_unchanged
+from kanegen.c.provenance import is_unchanged
 from kanegen.errors import CertificateError, KanegenError, quoted
 from kanegen.library import Library
 from kanegen.measure.machine import Machine
