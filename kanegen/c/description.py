@@ -90,6 +90,12 @@ class ModelDescription:
     rows: tuple[str, ...] = ()
 
     @property
+    def neutral_coordinates(self) -> tuple[float, ...]:
+        """(m,) coordinates of the position in which no joint is turned or displaced (rad, m, 1)."""
+        ones = {places[0] for places in self.homogeneous}
+        return tuple(float(place in ones) for place in range(len(self.coordinate_names)))
+
+    @property
     def shown(self) -> str:
         """Name of the system for people."""
         return self.title or self.name

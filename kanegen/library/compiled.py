@@ -15,8 +15,9 @@ from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
 from kanegen.library.library_html import library_html
 from kanegen.library.native import processor
 from kanegen.library.native.build import Recipe
-from kanegen.library.native.calls import NativeLibrary, arguments_of
+from kanegen.library.native.calls import arguments_of
 from kanegen.library.native.constants import Constants
+from kanegen.library.native.loaded import NativeLibrary
 from kanegen.library.native.status import OnStatus, StatusReport, checked_on_status, report
 from kanegen.library.results import Evaluation
 from kanegen.model import validation

@@ -9,12 +9,13 @@ from kanegen.errors import OptionError
 from kanegen.library.contacts import Contacts
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
+from kanegen.library.embedding import Embedding
 from kanegen.library.equation_terms import EquationTerms
 from kanegen.library.frames import Frames
 from kanegen.library.identification import Identification
 from kanegen.library.linearization import Linearization
 from kanegen.library.native.build import Recipe
-from kanegen.library.native.calls import NativeLibrary
+from kanegen.library.native.loaded import NativeLibrary
 from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.operational import OperationalSpace
 from kanegen.library.quantities import Quantities
@@ -71,6 +72,7 @@ class Library(
     Derivatives,
     QuantityDerivatives,
     StepDerivatives,
+    Embedding,
 ):
     """The functions of a compiled model, with values of its run-time parameters.
 

@@ -188,8 +188,7 @@ class _State:
     """A state in which a library is linearized, as arrays."""
 
     def __init__(self, library: Quantities, x: Any, y: Any, tau: Any) -> None:
-        neutral = np.zeros(len(library.coordinate_names))
-        neutral[[places[0] for places in library.source.model.homogeneous]] = 1.0
+        neutral = np.array(library.source.model.neutral_coordinates)
         self.x = _doubles("x", x, library.coordinate_names, neutral)
         self.y = _doubles("y", y, library.speed_names, np.zeros(library.n))
         self.tau = _doubles("tau", tau, library.freedom_names, np.zeros(library.n))

@@ -48,9 +48,8 @@ def first_state(library: Library, x: Any, y: Any) -> tuple[Floats, Floats]:
     """
     dtype = precisions.precision_named(library.storage).dtype
     if x is None or isinstance(x, Mapping):
-        neutral = np.zeros(len(library.coordinate_names))
-        neutral[[places[0] for places in library.source.model.homogeneous]] = 1.0
-        x = finite_in_order("x", x, library.coordinate_names, neutral.tolist())
+        neutral = list(library.source.model.neutral_coordinates)
+        x = finite_in_order("x", x, library.coordinate_names, neutral)
     if y is None or isinstance(y, Mapping):
         y = finite_in_order("y", y, library.speed_names, [0.0] * library.n)
         batch = np.shape(x)[:-1]

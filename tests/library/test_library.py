@@ -14,7 +14,7 @@ from kanegen.errors import ArrayError, BuildError, ModelError, OptionError
 from kanegen.library import Library, load
 from kanegen.library.native import cache
 from kanegen.library.native.build import Recipe
-from kanegen.library.native.calls import NativeLibrary
+from kanegen.library.native.loaded import NativeLibrary
 from kanegen.library.results import Evaluation
 from tests.support.handmade import bits, evaluate, module, source
 

@@ -1,29 +1,19 @@
-"""The functions of a compiled library, loaded with cffi and called with NumPy arrays."""
+"""The functions of a compiled library, called with NumPy arrays."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from functools import partial
-from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
-import _cffi_backend
-import cffi
 import numpy as np
-from numpy.typing import ArrayLike
 
-from kanegen.c import ModelDescription, Source
-from kanegen.c.formats import Formats, formats
-from kanegen.c.interface import PREPARE, Function
-from kanegen.errors import ArrayError, BuildError, OptionError, quoted
-from kanegen.library.native import cache, floating_point, openmp, processor
-from kanegen.library.native.build import Recipe, made
+from kanegen.c import ModelDescription
+from kanegen.c.formats import Formats
+from kanegen.c.interface import Function
+from kanegen.errors import ArrayError
 from kanegen.library.native.constants import Constants
-from kanegen.library.native.rollouts import RolloutCall
-from kanegen.library.native.status import OnStatus, States, Status, naming, report
+from kanegen.library.native.status import OnStatus, States, Status, report
 from kanegen.model.arguments import (
     ARGUMENTS,
     LOADS,
@@ -32,162 +22,19 @@ from kanegen.model.arguments import (
     SHAREABLE,
     STEP,
     Floats,
+    Shape,
     Values,
     companion,
     load,
     required,
     state,
 )
-from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED
+from kanegen.program.ir import PREPARED
 from kanegen.program.precision import Precision
 from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS
 
 EVERY_ARGUMENT = tuple(name for name in ARGUMENTS if name not in MODEL_DEPENDENT)
 """Arguments of the function that computes all outputs, in order."""
-
-_NEVER_UNLOAD = getattr(os, "RTLD_NODELETE", 0)
-"""Flag of `dlopen` that keeps a library mapped: the threads of its OpenMP runtime outlive the `Library`."""
-
-
-class NativeLibrary:
-    """A shared library in memory.
-
-    Attributes:
-        recipe: What was compiled and how.
-        path: Path of the shared library.
-        named_inputs: Names of the inputs that some function reads and that are passed by name.
-        calls: The functions by name without prefix; `EVALUATE` computes all outputs, also where there is one.
-        rollouts: The functions that make many steps, by name without prefix.
-        parameter_type: Type of the numbers in arrays of run-time parameters.
-    """
-
-    def __init__(self, recipe: Recipe, path: Path) -> None:
-        """Load the shared library `path` that was compiled by `recipe`.
-
-        Raises:
-            BuildError: If the library cannot be loaded, or changes the arithmetic of the process.
-        """
-        self.recipe = recipe
-        self.path = path
-        source = recipe.source
-        read = {array.name for function in source.functions for array in function.inputs}
-        self.named_inputs = tuple(name for name in MODEL_DEPENDENT if name in read)
-        ffi = cffi.FFI()
-        ffi.cdef(source.cdef)
-        arrays = formats(source.variant)
-        # The function behind `ffi.from_buffer`, which takes twice as long.
-        pointers = {
-            precision: partial(_cffi_backend.from_buffer, ffi.typeof(f"{precision.c_type}[]"))
-            for precision in arrays.every
-        }
-        self._prepared = pointers[arrays.arithmetic]
-        self.parameter_type = arrays.parameters.dtype
-        functions = {function.name: function for function in source.functions}
-        if len(source.outputs) == 1:
-            functions[EVALUATE] = functions[source.outputs[0]]
-        try:
-            with floating_point.unchanged(path):
-                library = ffi.dlopen(str(path), ffi.RTLD_NOW | _NEVER_UNLOAD)
-            before_batch = openmp.before_batch(path)
-            self.calls = {
-                name: Call(
-                    library,
-                    pointers,
-                    arrays,
-                    source.model,
-                    function,
-                    self._arguments(name, function),
-                    before_batch,
-                )
-                for name, function in functions.items()
-            }
-            self.rollouts = {
-                one.name: RolloutCall(
-                    library,
-                    ffi,
-                    arrays,
-                    source.model,
-                    one,
-                    self._arguments(one.step.name, one.step),
-                    before_batch,
-                )
-                for one in source.rollouts
-            }
-        except (OSError, AttributeError) as error:
-            raise BuildError(
-                f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for "
-                "this machine?"
-            ) from error
-
-    @classmethod
-    def made(cls, recipe: Recipe) -> NativeLibrary:
-        """Compile a library, or find it in the cache, and load it.
-
-        Raises:
-            BuildError: If there is no compiler, it fails, or the compiled library cannot be loaded.
-        """
-        return made(recipe.product(), partial(cls, recipe))
-
-    @classmethod
-    def found(cls, recipe: Recipe, entry: str, file: str, machine: str) -> NativeLibrary:
-        """Load a library that another process has made, without a compiler where that is possible.
-
-        Args:
-            recipe: What was compiled and how.
-            entry: Name of its entry in the cache of that process.
-            file: Name of its file.
-            machine: Fingerprint of the machine of that process.
-
-        Raises:
-            BuildError: If the library has to be made again and cannot be made.
-        """
-        path = cache.find(entry, file) if machine == processor.fingerprint() else None
-        with suppress(BuildError):  # another process has removed it meanwhile
-            if path is not None:
-                return cls(recipe, path)
-        return cls.made(recipe)
-
-    @property
-    def source(self) -> Source:
-        """The generated C that was compiled."""
-        return self.recipe.source
-
-    def constants(
-        self,
-        parameters: ArrayLike,
-        on_status: OnStatus,
-        changed: Mapping[str, float] = MappingProxyType({}),
-    ) -> Constants:
-        """Return the first argument of every `Call`: the results of `prepare` for some run-time parameters.
-
-        Args:
-            parameters: (P,) values in the order of the C array, or (B, P) for each state of a batch.
-            on_status: What to do where a constant is missing or not finite, see `status.report`.
-            changed: The parameters that were set, which a report then names.
-
-        Raises:
-            ArrayError: If the values have another shape or type.
-            OptionError: If there is a set for each state, and the C has no such functions.
-            StatusError: As `status.report`.
-        """
-        prepare = self.calls.get(PREPARE)
-        if prepare is None:
-            return Constants()
-        sets = state(PARAMETERS, parameters, (len(self.source.model.parameters),), self.parameter_type)
-        if sets.ndim > 1 and not self.source.parameters_by_state:
-            raise OptionError(
-                f"parameters: system {quoted(self.source.model.shown)} was built with one set of parameters "
-                "for all states of a batch. Build it with parameters_by_state=True."
-            )
-        (array,) = prepare(Constants(), (sets,), naming(changed, on_status))
-        pointers = () if sets.ndim > 1 else (self._prepared(array),)
-        return Constants(pointers, array, sets, tuple(name for name, _ in self.source.model.parameters))
-
-    def _arguments(self, name: str, function: Function) -> tuple[str, ...]:
-        """Return the names of the values that a call takes, in the order of the table of outputs."""
-        if name == PREPARE:
-            return tuple(array.name for array in function.inputs)
-        return (*arguments_of(name), *self.named_inputs)
 
 
 def arguments_of(name: str) -> tuple[str, ...]:
@@ -206,6 +53,9 @@ class Call:
 
     A call keeps nothing of its arguments, and C runs without the interpreter's lock, so threads may share a
     `Call`.
+
+    Attributes:
+        dtype: Type of the numbers in its inputs.
     """
 
     def __init__(
@@ -237,13 +87,14 @@ class Call:
         read = arrays.of(function.inputs[-1].name)
         filled = arrays.of(function.outputs[0].name)
         self._pointer, self._result_pointer = pointers[read], pointers[filled]
-        self._dtype, self._result_dtype = read.dtype, filled.dtype
+        self.dtype, self._result_dtype = read.dtype, filled.dtype
         own = [array for array in function.inputs if array.name != PREPARED]
         # Whether each state of a batch has its own prepared constants.
         self._by_state = len(own) < len(function.inputs) and PREPARED not in function.shared
         self._prepared = pointers[arrays.arithmetic]
         self._inputs = [(a.name, arguments.index(a.name), a.shape + read.trailing_shape) for a in own]
         self._outputs = [array.shape + filled.trailing_shape for array in function.outputs]
+        self._result_names = [array.name for array in function.outputs]
         self._meaning = _meaning_of_named_inputs(model)
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
         # Place of the force among the values, which the torque follows, if no body takes loads; else 0.
@@ -258,7 +109,7 @@ class Call:
 
     def _zeros(self, shape: tuple[int, ...]) -> Any:
         """Return a pointer to an array of zeros."""
-        return self._pointer(np.zeros(shape, self._dtype))
+        return self._pointer(np.zeros(shape, self.dtype))
 
     def __call__(self, constants: Constants, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
         """Call the C function for one state, or its batch form for many.
@@ -280,7 +131,7 @@ class Call:
             raise self._unused_load("force" if values[force] is not None else "torque")
         if constants.sets is not None:
             return self._general(constants, values, on_status)
-        pointer, dtype = self._pointer, self._dtype
+        pointer, dtype = self._pointer, self.dtype
         pointers = [*constants.pointers]
         for k, shape, zeros, is_plain in self._plan:
             value = values[k]
@@ -306,7 +157,7 @@ class Call:
             # An optional value that was left out is zero, and cannot be why a result is not finite.
             read = {name: values[k] for name, k, _ in self._inputs}
             inputs = {name: value for name, value in read.items() if isinstance(value, np.ndarray)}
-            report(self._status.of_state(status, inputs | constants.inputs, results), on_status)
+            self.react(status, constants, inputs, results, (), on_status)
         return results
 
     def _general(self, constants: Constants, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
@@ -320,17 +171,92 @@ class Call:
             *map(self._result_pointer, results),
         ]
         inputs = {name: array for (name, *_), array in zip(self._inputs, arrays, strict=True)}
-        if not batch or self._batch is None:
-            status = self._single(*pointers)
-            if status and on_status != "ignore":
-                report(self._status.of_state(status, inputs | constants.inputs, results), on_status)
-            return results
-        failed = self._many(batch[0], pointers)
-        if failed and on_status != "ignore":
-            inputs |= constants.inputs if constants.sets is not None else {}
-            states = partial(self._some, constants, arrays)
-            report(self._status.of_batch(failed, inputs, results, states), on_status)
+        status = (
+            self._many(batch[0], pointers) if batch and self._batch is not None else self._single(*pointers)
+        )
+        if status and on_status != "ignore":
+            self.react(status, constants, inputs, results, batch, on_status)
         return results
+
+    def react(
+        self,
+        status: int,
+        constants: Constants,
+        inputs: Mapping[str, Floats],
+        results: Sequence[Floats],
+        batch: tuple[int, ...],
+        on_status: OnStatus,
+    ) -> None:
+        """Report a status other than 0.
+
+        Args:
+            status: What the C function returned; its batch form returns a number of states.
+            constants: Prepared constants that it has read.
+            inputs: Arrays that it has read, by name; for a batch all of them.
+            results: Arrays that it has filled.
+            batch: `()` for one state or `(B,)` for a batch.
+            on_status: What to do, see `status.report`.
+
+        Raises:
+            StatusError: As `status.report`.
+        """
+        if not batch or self._batch is None:
+            report(self._status.of_state(status, {**inputs, **constants.inputs}, results), on_status)
+            return
+        states = partial(self._some, constants, list(inputs.values()))
+        read = {**inputs, **(constants.inputs if constants.sets is not None else {})}
+        report(self._status.of_batch(status, read, results, states), on_status)
+
+    def arrays(self, batch: tuple[int, ...]) -> tuple[dict[str, Floats], dict[str, Floats]]:
+        """Return new arrays by name: zeros for the inputs, NaN for the results.
+
+        Args:
+            batch: `()` for one state or `(B,)` for a batch.
+        """
+        inputs, results = self.shapes
+        return (
+            {name: np.zeros((*batch, *shape), self.dtype) for name, shape in inputs.items()},
+            {name: np.full((*batch, *shape), np.nan, self._result_dtype) for name, shape in results.items()},
+        )
+
+    @property
+    def shapes(self) -> tuple[dict[str, Shape], dict[str, Shape]]:
+        """Shapes of the inputs and of the results for one state, by name, in the order of the C function."""
+        inputs = {name: shape for name, _, shape in self._inputs}
+        return inputs, dict(zip(self._result_names, self._outputs, strict=True))
+
+    def bound(
+        self,
+        constants: Constants,
+        inputs: Sequence[Floats],
+        results: Sequence[Floats],
+        batch: tuple[int, ...],
+    ) -> Callable[[], int]:
+        """Return a function without arguments that calls C with some arrays and returns the status.
+
+        Args:
+            constants: Prepared constants.
+            inputs: Contiguous arrays that C reads, as `arrays` makes them; the function keeps them alive.
+            results: Contiguous arrays that C fills.
+            batch: `()` for one state or `(B,)` for a batch.
+
+        Raises:
+            ArrayError: If there are more or fewer sets of parameters than states.
+        """
+        constants.require(batch, self._inputs[0][0])
+        pointers = (
+            *constants.read(batch, self._by_state, self._prepared),
+            *map(self._pointer, inputs),
+            *map(self._result_pointer, results),
+        )
+        if batch:
+            return partial(self._many, batch[0], pointers)
+        return partial(self._single, *pointers)
+
+    @property
+    def unloaded(self) -> dict[str, Mapping[int, str]]:
+        """For each load of which only some rows are read, the other rows with their bodies or points."""
+        return {name: rows for name, *_ in self._inputs if (rows := self._unloaded.get(name, {}))}
 
     def _some(self, constants: Constants, arrays: Sequence[Floats], states: States) -> int:
         """Return the status of one state of a batch, or of several how many have another status than 0.
@@ -361,15 +287,15 @@ class Call:
     def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:
         """Return the inputs as C reads them, and `()` for one state or `(B,)` for a batch."""
         (first, k, shape), *others = self._inputs
-        arrays = [state(first, values[k], shape, self._dtype)]
+        arrays = [state(first, values[k], shape, self.dtype)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, k, shape in others:
             if name in SHAREABLE:
                 unloaded = self._unloaded.get(name, {})
                 value = values[k] if name in OPTIONAL else required(name, values[k], self._meaning[name])
-                arrays.append(load(name, value, shape, batch, self._dtype, unloaded))
+                arrays.append(load(name, value, shape, batch, self.dtype, unloaded))
             else:
-                arrays.append(companion(name, values[k], shape, batch, self._dtype, first))
+                arrays.append(companion(name, values[k], shape, batch, self.dtype, first))
         return arrays, batch
 
 
