@@ -17,7 +17,8 @@ from kanegen.options import Variant
 from kanegen.recursion.outputs import OUTPUTS, available, input_arrays
 from kanegen.reference.states import random_states
 from tests.support.cases import slow_except
-from tests.support.paths import MODELS
+from tests.support.pages import blocks
+from tests.support.paths import MODELS, ROOT
 from tests.support.random_trees import everything, other_parameters
 
 QUICK = "-O1 -ffp-contract=off"
@@ -241,3 +242,12 @@ def test_prepared_constants(pendulum: kg.Library, satellite: kg.Library) -> None
     other = pendulum.with_parameters(dict(zip(names, sets.tolist(), strict=True)))
     assert same(found, other.prepared)
     assert satellite.prepared.size == 0
+
+
+def test_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    namespace: dict[str, Any] = {}
+    for block in blocks("embedding/bound-calls", "python"):
+        exec(block, namespace)
+    assert np.isfinite(namespace["call"].acceleration).all()
+    assert namespace["grid"].shape == (30, 40, 2)
