@@ -13,6 +13,9 @@ from kanegen.errors import MissingError
 BENCH = "bench"
 """The extra that brings the peers of the benchmarks."""
 
+CASADI = "casadi"
+"""The extra that brings CasADi, which takes the equations into problems of optimisation."""
+
 MUJOCO = "mujoco"
 """The extra that brings MuJoCo, whose compiler reads MJCF files."""
 

@@ -12,6 +12,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from kanegen.artifacts.artifact import Artifact, lacking
+from kanegen.artifacts.casadi import casadi, usual_outputs
+from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
 from kanegen.artifacts.certificate import refusal as certificate_refusal
 from kanegen.artifacts.example import example
@@ -43,6 +45,13 @@ ARTIFACTS: dict[str, Artifact] = {
         Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
         Artifact("reanchoring", "Re-anchors joints at run time.", reanchoring, reanchoring_refusal),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
+        Artifact(
+            "casadi",
+            "External functions of CasADi, with Jacobians.",
+            casadi,
+            casadi_refusal,
+            usual_outputs=usual_outputs,
+        ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
     )
 }
@@ -75,9 +84,10 @@ def outputs_with(
         >>> outputs_with(["casadi"], system)
         ('mass_matrix', 'forcing', 'forward_dynamics', 'forward_dynamics_derivatives')
     """
-    needed = {name: ARTIFACTS[name].needed_outputs(system) for name in artifacts}
     if outputs is None:
-        return tuple(dict.fromkeys((*EQUATIONS, *(output for each in needed.values() for output in each))))
+        added = (output for name in artifacts for output in ARTIFACTS[name].added_outputs(system))
+        return tuple(dict.fromkeys((*EQUATIONS, *added)))
+    needed = {name: ARTIFACTS[name].needed_outputs(system) for name in artifacts}
     asked = several("outputs", "output", outputs, (*OUTPUTS, *INTEGRATORS))
     for name, called in needed.items():
         if missing := lacking([output for output in called if output not in asked]):

@@ -29,6 +29,8 @@ class Artifact:
         is_default: Whether every source that can have the artifact gets it.
         outputs: Names of the outputs whose functions the artifact calls, or a function from a system to them.
             `generate` adds them where the user names no outputs.
+        usual_outputs: Outputs, given in the same way, that `generate` adds as well where the user names no
+            outputs, and that the artifact can do without.
         precision: Precision of the arithmetic that the artifact takes where the user names none, one of
             `precision.PRECISIONS`; "" for that of the source.
 
@@ -46,6 +48,7 @@ class Artifact:
     is_default: bool = False
     outputs: Sequence[str] | Callable[[System], Sequence[str]] = ()
     precision: str = ""
+    usual_outputs: Sequence[str] | Callable[[System], Sequence[str]] = ()
 
     def __post_init__(self) -> None:
         """Check that there is such a precision."""
@@ -55,6 +58,11 @@ class Artifact:
     def needed_outputs(self, system: System) -> tuple[str, ...]:
         """Return the names of the outputs whose functions the artifact calls, for a system."""
         return tuple(self.outputs(system) if callable(self.outputs) else self.outputs)
+
+    def added_outputs(self, system: System) -> tuple[str, ...]:
+        """Return the names of the outputs that a source for the artifact has unless a user names others."""
+        usual = self.usual_outputs(system) if callable(self.usual_outputs) else self.usual_outputs
+        return (*self.needed_outputs(system), *usual)
 
     def obstacle(self, source: Source) -> str:
         """Return why a source cannot have the artifact, with how to mend it, "" if it can."""

@@ -1,9 +1,12 @@
-"""Interop: states, forces and matrices between kanegen and other programs of rigid-body dynamics.
+"""Interop: other programs of rigid-body dynamics, and programs that call the generated code.
 
-Each program has a module whose `state_map` compares its model with a system, by the names of joints and
-bodies, and returns a `StateMap`, which converts both ways. `docs/conventions.md` has the conventions side by
-side. A module here may import the model and the reference, and no other program: it reads models that a
-caller passes.
+A program of rigid-body dynamics has a module whose `state_map` compares its model with a system, by the names
+of joints and bodies, and returns a `StateMap`, which converts both ways. `docs/conventions.md` has the
+conventions side by side. Such a module may import the model and the reference, and no other program: it reads
+models that a caller passes.
+
+A program that calls the generated code, such as CasADi, has a module which compiles that code with an
+interface that this program knows. It is imported by its own name, `kanegen.interop.casadi`.
 """
 
 from __future__ import annotations

@@ -1,0 +1,126 @@
+"""CasADi: the outputs of a system as functions of CasADi, with exact Jacobians, compiled.
+
+The functions are those of the artifact "casadi", compiled together with the generated code into one shared
+library and loaded by `casadi.external`. They can stand in expressions, in problems of `nlpsol` and `Opti`, in
+`integrator`, and in C that CasADi generates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from kanegen import extras
+from kanegen.artifacts.casadi import ODE, casadi, casadi_functions, file_name, other_numbers, symbol
+from kanegen.c.source import Source
+from kanegen.choices import require_one
+from kanegen.compiler import generate
+from kanegen.errors import OptionError, quoted
+from kanegen.library.library import Library
+from kanegen.library.native.build import build
+from kanegen.library.native.facade import Facade
+from kanegen.model.system import System
+from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, RATES
+
+
+def function(model: System | Source | Library, name: str = "forward_dynamics", **options: Any) -> Any:
+    """Return a function of CasADi that computes an output, a step or the rates of a state.
+
+    Its Jacobian is exact where there is an output `<name>_derivatives`, and where a method of steps has
+    derivatives; CasADi makes forward and reverse derivatives of it. There are no second derivatives: a solver
+    that needs the Hessian of the Lagrangian approximates it, as Ipopt does with
+    `hessian_approximation="limited-memory"`.
+
+    Arguments have the names of the arrays in C, such as `x`, `y`, `tau`. CasADi takes all of them in order,
+    or some by name: loads and generalized forces that are left out are then 0, and run-time parameters have
+    the values of the model. Where [A] is singular or a result is not finite, the evaluation fails, and CasADi
+    raises a `RuntimeError`.
+
+    Args:
+        model: A system, for which code is generated with all that the function needs; or generated code, or a
+            library, from whose source the function is made.
+        name: Name of an output, such as "forward_dynamics", of a step, such as "step_rk4", or "ode": {xdot}
+            and {ydot} of a state.
+        options: Options of `casadi.external`.
+
+    Returns:
+        A `casadi.Function`. It is bound to a file in the cache of kanegen; make it anew in another process.
+
+    Raises:
+        OptionError: If there is no such function, the source does not have it, or its arrays are not of
+            doubles.
+        MissingError: If CasADi is not installed.
+        SingularError: If [A] is singular in every state and the function solves with it.
+        BuildError: If there is no C compiler, or it fails.
+
+    Example:
+        dynamics = kanegen.interop.casadi.function(kg.load("models/panda_arm.toml"))
+        ydot = dynamics(x=x, y=y, tau=tau)["acceleration"]
+    """
+    package = extras.module("casadi", extra=extras.CASADI)
+    source = _source(model, name)
+    if reason := other_numbers(source):
+        raise OptionError(f"casadi: {reason}")
+    there = [one.name for one in casadi_functions(source)]
+    wanted = symbol(source.model, name)
+    if wanted not in there:
+        raise OptionError(
+            f"casadi: the source of system {quoted(source.model.shown)} has no function {quoted(name)}. "
+            f"Generate it with outputs={outputs_needed(source.system, name) if source.system else (name,)}."
+        )
+    facade = Facade(f"{source.model.name}_casadi", {file_name(source): casadi(source)[file_name(source)]})
+    return package.external(wanted, str(build(source, facade=facade)), options)
+
+
+def outputs_needed(system: System, name: str) -> tuple[str, ...]:
+    """Return the outputs of a source that gives a function and its Jacobian.
+
+    Args:
+        system: The system.
+        name: Name of an output, of a step, or "ode".
+
+    Raises:
+        OptionError: If there is no such function.
+
+    Example:
+        >>> outputs_needed(system, "ode")
+        ('forward_dynamics', 'forward_dynamics_derivatives')
+    """
+    steps = [method.functions[0] for method in {one.name: one for one in INTEGRATORS.values()}.values()]
+    require_one("function", name, (*(one for one in OUTPUTS if one not in DERIVATIVES), *steps, ODE))
+    if name == ODE:
+        rates = RATES[:1] if system.speeds_are_rates else RATES
+        return tuple(_with_derivatives(rates))
+    if name in INTEGRATORS:
+        method = INTEGRATORS[name]
+        return (name, method.derivatives) if method.has_derivatives else (name,)
+    return tuple(_with_derivatives((name,)))
+
+
+def _with_derivatives(names: Iterable[str]) -> Iterable[str]:
+    """Yield outputs, each followed by what its Jacobian is made of."""
+    for name in names:
+        yield name
+        if f"{name}_derivatives" in DERIVATIVES:
+            yield f"{name}_derivatives"
+        if name == "inverse_dynamics":
+            yield "mass_matrix"
+
+
+def _source(model: System | Source | Library, name: str) -> Source:
+    """Return the source of a function; the values of the parameters of a library become the default ones.
+
+    Raises:
+        OptionError: If `model` is none of these.
+    """
+    if isinstance(model, System):
+        return generate(model, outputs_needed(model, name))
+    if isinstance(model, Library):
+        values = tuple(model.parameters.items())
+        return replace(model.source, model=replace(model.source.model, parameters=values))
+    if isinstance(model, Source):
+        return model
+    raise OptionError(
+        f"casadi: {quoted(model)} is no system. Give what kg.load, kg.generate or kg.build returns."
+    )
