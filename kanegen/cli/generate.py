@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
+from kanegen.choices import several
 from kanegen.cli.budget_options import (
     Attempts,
     Confidence,
@@ -125,13 +127,14 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     the chosen one in fresh states, searches for counterexamples and writes a certificate of the result. This
     takes minutes and needs `pip install 'kanegen[study]'`.
     """
-    from kanegen import artifacts, compiler, options
+    from kanegen import artifacts, compiler, options, products
+    from kanegen.c import folder
 
     keeps_budget = has_budget(context)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
-    asked = artifacts.chosen(names_of("--for", for_))
+    asked, compiled = _targets(for_)
     outputs = artifacts.outputs_with(asked, system, output if is_typed(context, "output") else None)
     system = with_selection(system, outputs, frames, reactions, contacts)
     if keeps_budget:
@@ -154,8 +157,26 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 parameters_by_state=parameters_by_state,
                 batches=not no_batches,
             )
-    source.write(output_dir, force=force)
-    _show(system, source, output_dir)
+    files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled)}
+    folder.write(files, output_dir, force)
+    _show(system, source, files, output_dir)
+
+
+def _targets(texts: list[str] | None) -> tuple[list[str], list[str]]:
+    """Return the names of artifacts and of products that --for names; one name may be that of both.
+
+    Raises:
+        OptionError: If there is no such target.
+        BuildError: If a tool for a product is missing.
+    """
+    from kanegen.artifacts import ARTIFACTS
+    from kanegen.products import PRODUCTS, require_tools
+
+    known = tuple(dict.fromkeys((*ARTIFACTS, *PRODUCTS)))
+    names = several("--for", "target", names_of("--for", texts), known)
+    compiled = [name for name in names if name in PRODUCTS]
+    require_tools(compiled)
+    return [name for name in names if name in ARTIFACTS], compiled
 
 
 def _within_budget(system: System, context: typer.Context, folder: Path, force: bool) -> Source:
@@ -171,10 +192,10 @@ def _within_budget(system: System, context: typer.Context, folder: Path, force: 
     return found.source
 
 
-def _show(system: System, source: Source, folder: Path) -> None:
+def _show(system: System, source: Source, files: Iterable[str], folder: Path) -> None:
     """Print the size of the system, the operations and the files."""
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
     freedoms = counted(len(system.freedoms), "freedom")
     screen.print(f"{escape(system.name)}: {freedoms}, {' and '.join((*source.outputs, *source.integrators))}")
     screen.print(f"operations: {cost}")
-    screen.print(f"wrote {', '.join(source.files)} to {folder}", soft_wrap=True)
+    screen.print(f"wrote {', '.join(files)} to {folder}", soft_wrap=True)

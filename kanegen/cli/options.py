@@ -79,8 +79,9 @@ TARGETS = (
     "reanchoring",
     "certificate",
     "self-test",
+    "wasm",
 )
-"""Names of the artifacts that `kanegen generate` writes where they are asked for, one a line."""
+"""Names of the artifacts and products that `kanegen generate` writes where they are asked for, one a line."""
 
 For = Annotated[
     list[str] | None,

@@ -6,8 +6,17 @@ is an artifact and stands in `kanegen.artifacts`.
 """
 
 from kanegen.products.compiled_file import CompiledFile
-from kanegen.products.exporting import export
+from kanegen.products.exporting import compiled_files, export, require_tools
 from kanegen.products.platforms import PLATFORMS, Platform, chosen_platforms
 from kanegen.products.table import PRODUCTS
 
-__all__ = ["PLATFORMS", "PRODUCTS", "CompiledFile", "Platform", "chosen_platforms", "export"]
+__all__ = [
+    "PLATFORMS",
+    "PRODUCTS",
+    "CompiledFile",
+    "Platform",
+    "chosen_platforms",
+    "compiled_files",
+    "export",
+    "require_tools",
+]

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from kanegen.artifacts import ARTIFACTS
+from kanegen.c.provenance import with_provenance_at_end
 from kanegen.c.source import Source
-from kanegen.choices import require_one
+from kanegen.choices import require_one, several
 from kanegen.compiler import generate
 from kanegen.errors import OptionError, quoted
 from kanegen.files import path_of, require_writable, write_all
@@ -55,6 +56,47 @@ def export(
     file = named / chosen.file(model) if named.is_dir() else named
     write_all({file: chosen.make(model, on)})
     return file
+
+
+def compiled_files(
+    source: Source, products: Iterable[str], platforms: Iterable[str] | str | None = None
+) -> dict[str, bytes]:
+    """Return products of a source by the names of their files, to be written beside the source.
+
+    Each holds the line of provenance, so that the folder may be written again.
+
+    Args:
+        source: Generated code.
+        products: Names of products, checked.
+        platforms: As for `export`, for those products that have platforms.
+
+    Raises:
+        OptionError: If a platform is unknown, or the source cannot have a product.
+        BuildError: If a compiler fails.
+    """
+    found = {}
+    for name in products:
+        product = PRODUCTS[name]
+        content = product.make(source, _platforms_of_several(product, platforms))
+        found[product.file(source)] = with_provenance_at_end(content)
+    return found
+
+
+def require_tools(products: Iterable[str], platforms: Iterable[str] | str | None = None) -> None:
+    """Make sure that the tools for products are there, before long work.
+
+    Raises:
+        OptionError: If a product or a platform is unknown.
+        BuildError: If a tool is missing; the message says how to get it.
+    """
+    for name in several("products", "product", products, PRODUCTS):
+        product = PRODUCTS[name]
+        product.require_tools(_platforms_of_several(product, platforms))
+
+
+def _platforms_of_several(product: CompiledFile, names: Iterable[str] | str | None) -> Platforms:
+    """Return the platforms of one of several products; one without platforms leaves them to others."""
+    return platforms_of(product, names if product.has_platforms else None)
 
 
 def platforms_of(product: CompiledFile, names: Iterable[str] | str | None) -> Platforms:

@@ -17,6 +17,7 @@ from kanegen.cli.bench import DEFAULT_PEERS
 from kanegen.cli.options import DEFAULT_OUTPUTS
 from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.right_angles import AS_WRITTEN, FOUR_DECIMALS
+from kanegen.products import PRODUCTS
 from kanegen.program import passes, precision
 from kanegen.recursion.outputs import EQUATIONS, INTEGRATORS, OUTPUTS
 from kanegen.studies.bench.peers.registry import PEERS
@@ -45,6 +46,11 @@ def test_help_and_version_load_neither_sympy_nor_numpy(arguments: tuple[str, ...
     assert done.stdout.splitlines()[-1] == "loaded []"
 
 
+def is_default(name: str) -> bool:
+    """Return whether a target is written without being asked for."""
+    return name in ARTIFACTS and ARTIFACTS[name].is_default
+
+
 COMMAND_LINE = typer.main.get_command(app).commands
 
 
@@ -58,7 +64,7 @@ def help_of(command: str, name: str) -> str:
     ("command", "name", "known"),
     [
         ("generate", "output", [*OUTPUTS, *INTEGRATORS]),
-        ("generate", "for_", [name for name, one in ARTIFACTS.items() if not one.is_default]),
+        ("generate", "for_", {name for name in (*ARTIFACTS, *PRODUCTS) if not is_default(name)}),
         ("generate", "without", passes.PASS_NAMES),
         ("generate", "precision", precision.PRECISIONS),
         ("generate", "tier", options.TIERS),

@@ -1,10 +1,13 @@
 """Products: what is written where, and what is refused before anything is compiled."""
 
 import pytest
+from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen.browser import toolchain
 from kanegen.browser.wasm import wasm_module
+from kanegen.c.provenance import is_unchanged
+from kanegen.cli.app import app
 from kanegen.errors import BuildError, OptionError, WriteError
 from kanegen.extras import is_installed
 from kanegen.products import PLATFORMS, PRODUCTS, chosen_platforms, platforms
@@ -64,3 +67,18 @@ def test_each_platform_has_a_compiler(monkeypatch):
     other = next(one for one in PLATFORMS.values() if one != platforms.host())
     with pytest.raises(BuildError, match=f"{other.name}.*pip install ziglang"):
         platforms.compiler_for(other)
+
+
+def test_the_command_line_writes_products_beside_the_c(tmp_path, monkeypatch):
+    folder, model = tmp_path / "out", str(ROOT / "models" / "double_pendulum.toml")
+    arguments = ["generate", model, "-o", str(folder), "--output", "forcing", "--for", "wasm"]
+    for _ in range(2):  # its own files may be renewed
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
+        assert is_unchanged((folder / "double_pendulum.wasm").read_bytes())
+        assert (folder / "double_pendulum.h").is_file()
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr(toolchain, "is_installed", lambda name: False)
+    arguments[3] = str(tmp_path / "missing")
+    with pytest.raises(BuildError, match="pip install ziglang"):
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert not (tmp_path / "missing").exists()
