@@ -21,6 +21,8 @@ from kanegen.artifacts.package_files import cmake, pkg_config, readme
 from kanegen.artifacts.reanchoring import reanchoring
 from kanegen.artifacts.reanchoring import refusal as reanchoring_refusal
 from kanegen.artifacts.selftest import selftest
+from kanegen.artifacts.wasm import refusal as wasm_refusal
+from kanegen.artifacts.wasm import wasm
 from kanegen.c.provenance import with_provenance
 from kanegen.c.source import Source
 from kanegen.choices import several
@@ -53,6 +55,7 @@ ARTIFACTS: dict[str, Artifact] = {
             usual_outputs=usual_outputs,
         ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
+        Artifact("wasm", "A package for browsers and Node.js, with types.", wasm, wasm_refusal),
     )
 }
 """Every artifact by its name, in the order of `Source.files`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from kanegen.artifacts.wasm import refusal
 from kanegen.browser import toolchain
 from kanegen.c import Source
 from kanegen.c.interface import Function
@@ -62,7 +63,8 @@ def wasm_module(source: Source, *, batch: bool = False, simd: bool = False) -> b
         source = kg.generate(kg.load("models/double_pendulum.toml"), outputs=("forward_dynamics",))
         Path("double_pendulum.wasm").write_bytes(wasm_module(source))
     """
-    _require_portable(source)
+    if why := refusal(source):
+        raise OptionError(why)
     return made(_product(source, flag("batch", batch), flag("simd", simd)), Path.read_bytes)
 
 
@@ -131,22 +133,3 @@ def _product(source: Source, batch: bool, simd: bool) -> Product:
         link_arguments=found.linker_options(options),
         fingerprints=(found.fingerprint,),
     )
-
-
-def _require_portable(source: Source) -> None:
-    """Make sure that a source needs nothing that WebAssembly does not have.
-
-    Raises:
-        OptionError: If it does.
-    """
-    variant, needs = source.variant, ""
-    if source.target != "c99":
-        raise OptionError(f"WebAssembly is made of C99, not of {source.target}. Generate C99.")
-    if "long double" in (source.precision, source.storage):
-        needs = "long double. Take precision double-double."
-    elif variant.sincos == "libm":
-        needs = "sine and cosine of a C library. Take sincos shared."
-    elif variant.flushes:
-        needs = "a mode that flushes subnormal numbers. Take strict semantics."
-    if needs:
-        raise OptionError(f"WebAssembly has no {needs}")

@@ -24,6 +24,8 @@ class CompiledFile:
         make: Function from a source and platforms to the bytes of the file.
         require_tools: Function that raises `BuildError` where a tool for the platforms is missing; it is
             called before anything else is done.
+        folder: Folder below that of the C in which the file stands beside the texts of the artifact, "" for
+            that of the C.
         has_platforms: Whether the file holds code for processors and operating systems. One without is the
             same everywhere, and its functions are given no platforms.
     """
@@ -33,4 +35,5 @@ class CompiledFile:
     file: Callable[[Source], str]
     make: Callable[[Source, Platforms], bytes]
     require_tools: Callable[[Platforms], object]
+    folder: str = ""
     has_platforms: bool = True

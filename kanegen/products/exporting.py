@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from kanegen.artifacts import ARTIFACTS
 from kanegen.c.provenance import with_provenance_at_end
@@ -61,7 +61,7 @@ def export(
 def compiled_files(
     source: Source, products: Iterable[str], platforms: Iterable[str] | str | None = None
 ) -> dict[str, bytes]:
-    """Return products of a source by the names of their files, to be written beside the source.
+    """Return products of a source by the paths of their files, to be written beside the source.
 
     Each holds the line of provenance, so that the folder may be written again.
 
@@ -78,7 +78,7 @@ def compiled_files(
     for name in products:
         product = PRODUCTS[name]
         content = product.make(source, _platforms_of_several(product, platforms))
-        found[product.file(source)] = with_provenance_at_end(content)
+        found[str(PurePosixPath(product.folder, product.file(source)))] = with_provenance_at_end(content)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from kanegen.artifacts.wasm import FOLDER
 from kanegen.browser import toolchain
 from kanegen.browser.wasm import wasm_module
 from kanegen.products.compiled_file import CompiledFile
@@ -13,8 +14,9 @@ PRODUCTS: dict[str, CompiledFile] = {
             "wasm",
             "A module of WebAssembly, for browsers and Node.js.",
             lambda source: f"{source.model.name}.wasm",
-            lambda source, _: wasm_module(source, batch=True),
+            lambda source, _: wasm_module(source, batch=True, simd=True),
             lambda _: toolchain.find(),
+            folder=FOLDER,
             has_platforms=False,
         ),
     )

@@ -12,18 +12,15 @@ import wasmtime
 import kanegen as kg
 from kanegen.browser import toolchain
 from kanegen.browser.wasm import exports, library_files, wasm_module
-from kanegen.c import description
 from kanegen.errors import BuildError, OptionError
 from kanegen.library import load
 from kanegen.library.native import commands
 from kanegen.library.native.build import write
-from kanegen.model.arguments import LOADS
 from kanegen.options import TIERS
 from kanegen.program.precision import precision_named
-from kanegen.reference.states import random_states
 from tests.support.paths import ROOT
 from tests.support.random_trees import everything
-from tests.support.wasm import WasmLibrary
+from tests.support.wasm import WasmLibrary, bits, inputs_of, native_results
 
 STATES = 1000
 OUTPUTS = ("forward_dynamics", "kinetic_energy", "body_poses")
@@ -31,24 +28,6 @@ OUTPUTS = ("forward_dynamics", "kinetic_energy", "body_poses")
 
 def model(name):
     return kg.load(ROOT / "models" / f"{name}.toml")
-
-
-def bits(array):
-    """The patterns of numbers, with one pattern for every NaN."""
-    array = np.where(np.isnan(array), np.nan, array)
-    return array.view(np.uint8)
-
-
-def inputs_of(system, function, dtype, count, seed=5):
-    """Random inputs of a function by name, a row for each state, but for prepared constants."""
-    states, rng = random_states(system, count, seed), np.random.default_rng(seed)
-    inputs = {array.name: rng.standard_normal((count, *array.shape)) for array in function.inputs}
-    inputs |= {"x": states.x, "y": states.y}
-    for name in inputs.keys() & LOADS.keys():
-        inputs[name][:, list(description(system).unloaded(LOADS[name]))] = 0.0
-    return {
-        array.name: inputs[array.name].astype(dtype) for array in function.inputs if array.name != "prepared"
-    }
 
 
 def compare(system, variant=TIERS["strict"], count=STATES, outputs=OUTPUTS, **options):
@@ -69,15 +48,6 @@ def compare(system, variant=TIERS["strict"], count=STATES, outputs=OUTPUTS, **op
             expected = native_results(native, function, inputs)
             assert np.array_equal(bits(np.array(found)), bits(expected)), function.name
     return wasm
-
-
-def native_results(native, function, inputs):
-    """The results of a native function; the time is one number in a call, so such states go one by one."""
-    call = getattr(native, function.name)
-    if "t" not in inputs:
-        return call(**inputs)
-    rows = zip(*inputs.values(), strict=True)
-    return np.array([call(**dict(zip(inputs, row, strict=True))) for row in rows])
 
 
 def prepared(wasm, system):

@@ -1,10 +1,13 @@
-"""Functions of a WebAssembly module, called with NumPy arrays by wasmtime."""
+"""Functions of a WebAssembly module, called with NumPy arrays by wasmtime, and what native ones return."""
 
 import numpy as np
 import wasmtime
 
 from kanegen.browser.wasm import wasm_module
+from kanegen.c import description
 from kanegen.c.formats import formats
+from kanegen.model.arguments import LOADS
+from kanegen.reference.states import random_states
 
 ALIGNMENT = 16
 PAGE = 65536
@@ -78,3 +81,30 @@ class WasmLibrary:
                 self._memory.grow(self._store, -(-missing // PAGE))
             self._places[name] = address, size
         return address
+
+
+def bits(array):
+    """The patterns of numbers, with one pattern for every NaN."""
+    array = np.where(np.isnan(array), np.nan, array)
+    return array.view(np.uint8)
+
+
+def inputs_of(system, function, dtype, count, seed=5):
+    """Random inputs of a function by name, a row for each state, but for prepared constants."""
+    states, rng = random_states(system, count, seed), np.random.default_rng(seed)
+    inputs = {array.name: rng.standard_normal((count, *array.shape)) for array in function.inputs}
+    inputs |= {"x": states.x, "y": states.y}
+    for name in inputs.keys() & LOADS.keys():
+        inputs[name][:, list(description(system).unloaded(LOADS[name]))] = 0.0
+    return {
+        array.name: inputs[array.name].astype(dtype) for array in function.inputs if array.name != "prepared"
+    }
+
+
+def native_results(native, function, inputs):
+    """The results of a native function; the time is one number in a call, so such states go one by one."""
+    call = getattr(native, function.name)
+    if "t" not in inputs:
+        return call(**inputs)
+    rows = zip(*inputs.values(), strict=True)
+    return np.array([call(**dict(zip(inputs, row, strict=True))) for row in rows])
