@@ -9,7 +9,6 @@ from kanegen.errors import OptionError
 from kanegen.library.contacts import Contacts
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
-from kanegen.library.embedding import Embedding
 from kanegen.library.equation_terms import EquationTerms
 from kanegen.library.frames import Frames
 from kanegen.library.identification import Identification
@@ -20,6 +19,7 @@ from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.operational import OperationalSpace
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
+from kanegen.library.right_side import RightSides
 from kanegen.library.step_derivatives import StepDerivatives
 
 
@@ -62,6 +62,7 @@ def load(
 
 class Library(
     Linearization,
+    RightSides,
     Dynamics,
     EquationTerms,
     Contacts,
@@ -72,7 +73,6 @@ class Library(
     Derivatives,
     QuantityDerivatives,
     StepDerivatives,
-    Embedding,
 ):
     """The functions of a compiled model, with values of its run-time parameters.
 

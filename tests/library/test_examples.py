@@ -20,7 +20,7 @@ METHODS = [
 ]
 
 
-FREE = ("step", "rollout", "step_derivatives")
+FREE = ("step", "rollout", "step_derivatives", "rhs")
 """Methods whose functions follow motions of systems without contacts; their examples build a library."""
 
 
