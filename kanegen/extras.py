@@ -19,6 +19,9 @@ CASADI = "casadi"
 MUJOCO = "mujoco"
 """The extra that brings MuJoCo, whose compiler reads MJCF files."""
 
+JAX = "jax"
+"""The extra that brings JAX, which can call generated functions."""
+
 
 def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
     """Import and return a module of an optional package.

@@ -5,8 +5,8 @@ of joints and bodies, and returns a `StateMap`, which converts both ways. `docs/
 conventions side by side. Such a module may import the model and the reference, and no other program: it reads
 models that a caller passes.
 
-A program that calls the generated code, such as CasADi, has a module which compiles that code with an
-interface that this program knows. It is imported by its own name, `kanegen.interop.casadi`.
+A program that calls the generated code, such as CasADi or JAX, has a module which compiles that code with an
+interface that this program knows. It is imported by its own name, such as `kanegen.interop.casadi`.
 """
 
 from __future__ import annotations

@@ -82,6 +82,11 @@ class CompiledModel:
         return self._native.source
 
     @property
+    def recipe(self) -> Recipe:
+        """What was compiled and how."""
+        return self._native.recipe
+
+    @property
     def path(self) -> Path:
         """Path of the shared library."""
         return self._native.path

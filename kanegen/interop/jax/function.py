@@ -1,0 +1,80 @@
+"""`Function`: a generated function that takes and returns arrays of JAX."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from kanegen.c.formats import formats
+from kanegen.interop.jax.arguments import Arguments
+from kanegen.interop.jax.calls import Arrays, Call, Signature, differentiable_calls
+from kanegen.interop.jax.facade import functions_of, inputs_of
+from kanegen.interop.jax.handlers import Handlers
+from kanegen.interop.slopes import slopes
+
+
+@dataclass(frozen=True)
+class Function:
+    """A generated function that takes and returns arrays of JAX.
+
+    Attributes:
+        arguments: What it takes.
+        shapes: Shape of each result for one state.
+        call: Its call through XLA.
+    """
+
+    arguments: Arguments
+    shapes: tuple[tuple[int, ...], ...]
+    call: Call
+
+    def __repr__(self) -> str:
+        named = "".join(f", {name}=" for name in self.arguments.named)
+        return f"<Function {self.arguments.function}({', '.join(self.arguments.positional)}{named})>"
+
+    def __call__(self, *values: Arrays, **named: Arrays) -> Any:
+        """Return the result, (*lead, *shape), or a tuple of the results where there are several.
+
+        Args:
+            values: Arguments of the method of `Library` in their order, each (*lead, *shape); the leading
+                axes of all arguments are broadcast, as in NumPy.
+            named: The same by name; further inputs, and `parameters`, (*lead, P) or values by name.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type, is missing, is passed twice or does not
+                exist.
+            ModelError: If there is no parameter of a name.
+            OptionError: If JAX rounds all numbers to 32 bits, and the library is in double precision.
+        """
+        found = self.call(*self.arguments.operands(values, named))
+        results = [
+            one.reshape(*one.shape[:-1], *shape) for one, shape in zip(found, self.shapes, strict=True)
+        ]
+        return results[0] if len(results) == 1 else tuple(results)
+
+
+def functions_by_name(handlers: Handlers) -> dict[str, Function]:
+    """Return every function of a library that JAX can call, by name.
+
+    Args:
+        handlers: The library, and the names by which JAX knows its functions.
+    """
+    library = handlers.library
+    source = library.source
+    numbers = formats(source.variant)
+    signatures, arguments = {}, {}
+    found = functions_of(source)
+    for one in found:
+        inputs = inputs_of(source, one)
+        types = tuple(numbers.of(array.name).dtype for array in inputs)
+        arguments[one.name] = Arguments(one.name, library, inputs, types)
+        signatures[one.name] = Signature(
+            one.name,
+            handlers.targets[one.name],
+            tuple(array.name for array in inputs),
+            tuple(array.size for array in one.outputs),
+            numbers.storage.dtype,
+            str(library.on_status),
+        )
+    calls = differentiable_calls(signatures, {name: slopes(name, source.model) for name in signatures})
+    shapes = {one.name: tuple(array.shape for array in one.outputs) for one in found}
+    return {name: Function(arguments[name], shapes[name], call) for name, call in calls.items()}

@@ -1,0 +1,99 @@
+"""Which generated functions give the derivatives of others, for programs that differentiate their callers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from kanegen.c.description import ModelDescription
+from kanegen.model.system import System
+from kanegen.program.ir import PARAMETERS
+from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, available, differentiates
+from kanegen.recursion.outputs.integrators import STEP
+
+_FACTORS = {
+    "inverse_dynamics": ("ydot", "mass_matrix"),
+    "frame_velocities": ("y", "frame_jacobians"),
+    "frame_accelerations": ("ydot", "frame_jacobians"),
+    "point_accelerations": ("ydot", "point_jacobians"),
+}
+"""For an output that is a matrix times an input and more, the input and the output that is the matrix."""
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Derivatives of the results of a function, as another generated function gives them.
+
+    Attributes:
+        function: Name of the function that gives them.
+        columns: For each input that they are by, its columns: the last axis of the derivatives.
+        place: Place of the derivatives among the results of that function.
+        has_results: Whether the results that are differentiated stand before them.
+
+    Example:
+        Slopes("forward_dynamics_derivatives", {"x": slice(0, 2), "y": slice(2, 4), "tau": slice(4, 6)})
+    """
+
+    function: str
+    columns: Mapping[str, slice]
+    place: int = 0
+    has_results: bool = False
+
+
+def slopes(name: str, model: ModelDescription) -> tuple[Slopes, ...]:
+    """Return what there is of derivatives of a function, whether it was generated or not.
+
+    Args:
+        name: Name of an output, or of a function that makes one step.
+        model: Names and sizes of the system.
+
+    Example:
+        slopes("inverse_dynamics", library.source.model)   # of inverse_dynamics_derivatives and mass_matrix
+    """
+    sizes = len(model.coordinate_names), len(model.freedom_names), len(model.parameters)
+    if name in INTEGRATORS:
+        method = INTEGRATORS[name]
+        if differentiates(name) or not method.has_derivatives:
+            return ()
+        return (Slopes(method.derivatives, _columns_of_step(*sizes), 2, has_results=True),)
+    found = []
+    if (derivatives := f"{name}_derivatives") in DERIVATIVES:
+        found.append(Slopes(derivatives, DERIVATIVES[derivatives].columns(*sizes)))
+    if name in _FACTORS:
+        by, matrix = _FACTORS[name]
+        found.append(Slopes(matrix, {by: slice(0, sizes[1])}))
+    return tuple(found)
+
+
+def with_derivatives(system: System, outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return outputs with those that give their derivatives, as far as there are any.
+
+    Args:
+        system: The tree.
+        outputs: Names of outputs, and of functions that make one step.
+
+    Example:
+        with_derivatives(system, ["step_rk4"])   # ("step_rk4", "step_rk4_derivatives")
+    """
+    model_has = {*available(system), *INTEGRATORS}
+    found = dict.fromkeys(outputs)
+    for name in tuple(found):
+        if name in OUTPUTS and name in _FACTORS:
+            found[_FACTORS[name][1]] = None
+        if name in INTEGRATORS and not (name.startswith(STEP) and INTEGRATORS[name].has_derivatives):
+            continue
+        derivatives = INTEGRATORS[name].derivatives if name in INTEGRATORS else f"{name}_derivatives"
+        if derivatives in model_has:
+            found[derivatives] = None
+    return tuple(found)
+
+
+def _columns_of_step(coordinates: int, n: int, parameters: int) -> dict[str, slice]:
+    """Return the columns of the derivatives of a step, by input."""
+    sizes = {"x": coordinates, "y": n, "tau": n, PARAMETERS: parameters}
+    found, first = {}, 0
+    for name, size in sizes.items():
+        if size:
+            found[name] = slice(first, first + size)
+        first += size
+    return found

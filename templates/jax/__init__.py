@@ -1,0 +1,1 @@
+"""Code in C between generated functions and JAX."""

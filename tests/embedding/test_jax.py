@@ -1,0 +1,632 @@
+"""Generated functions in JAX: values, gradients, batches, statuses and bad input, by JAX itself.
+
+Values are compared with the NumPy reference, gradients with complex steps through it or with differences, and
+bits with the same C called from NumPy.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pickle
+import sys
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.errors import ArrayError, KanegenWarning, ModelError, OptionError
+from kanegen.interop.slopes import slopes
+from kanegen.library.native.build import write
+from kanegen.options import Variant
+from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS, available
+from tests.support.c_compilers import WARNINGS, C, run
+from tests.support.cases import slow_except
+from tests.support.complex_steps import STEP, dynamics, rates_of
+from tests.support.pages import blocks
+from tests.support.paths import MODELS, ROOT
+from tests.support.random_trees import everything, other_parameters
+
+pytestmark = [
+    pytest.mark.embed("jax"),
+    pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning"),  # of compilers that other tests start
+]
+
+QUICK = "-O1 -ffp-contract=off"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def jax() -> Any:
+    """JAX with numbers of 64 bits; other tests keep their own."""
+    jax = importlib.import_module("jax")
+    before = jax.config.jax_enable_x64
+    jax.config.update("jax_enable_x64", True)
+    yield jax
+    jax.config.update("jax_enable_x64", before)
+
+
+def functions(*given: Any, **options: Any) -> Any:
+    """Call `kanegen.interop.jax.functions`, which is imported only where JAX is there."""
+    return importlib.import_module("kanegen.interop.jax").functions(*given, **options)
+
+
+def made(name: str, outputs: Any = ("forward_dynamics",), **options: Any) -> Any:
+    return functions(kg.load(MODELS / f"{name}.toml"), outputs, flags=QUICK, **options)
+
+
+def state(functions: Any, seed: int = 1, count: int | None = None) -> tuple[Any, Any, Any]:
+    """Return coordinates, speeds and generalized forces of one state, or of many."""
+    library, rng = functions.library, np.random.default_rng(seed)
+    lead = () if count is None else (count,)
+    m, n = len(library.coordinate_names), library.n
+    return rng.uniform(-1, 1, (*lead, m)), rng.normal(size=(*lead, n)), rng.normal(size=(*lead, n))
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Any:
+    return made("double_pendulum", ("forward_dynamics", "inverse_dynamics", "step_rk4"))
+
+
+@pytest.fixture(scope="module")
+def satellite() -> Any:
+    return made("satellite", ("forward_dynamics", "step_rk4"))
+
+
+# Values
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "panda_arm", "satellite"])
+def test_accelerations_are_those_of_the_reference(name: str, jax: Any) -> None:
+    system, functions = kg.load(MODELS / f"{name}.toml"), made(name, derivatives=False)
+    x, y, tau = state(functions)
+    loads = np.zeros((2, system.number_of_bodies, 3))
+    named = {}
+    if any(body.loads for body in system.bodies):
+        for k, body in enumerate(system.bodies):
+            loads[:, k] = body.loads * np.array([[1.0, -2.0, 0.5], [0.3, 0.1, -0.7]])
+        named = {"force": loads[0], "torque": loads[1]}
+    matrix, forcing = dynamics(system, {"x": x, "y": y, "force": loads[0], "torque": loads[1]})
+    expected = np.linalg.solve(matrix, forcing + tau)
+    found = jax.jit(functions.forward_dynamics)(x, y, tau, **named)
+    # The solution of the reference has a rounding error of about the condition of its matrix.
+    room = 1e-15 * np.linalg.cond(matrix) * np.abs(expected).max()
+    assert np.abs(found - expected).max() <= max(room, 1e-12 * np.abs(expected).max())
+    alone = functions.library.forward_dynamics(x, y, tau, **named)
+    np.testing.assert_array_equal(found, alone)
+
+
+OF_EVERY_KIND = (
+    "mass_matrix",
+    "forcing",
+    "inverse_dynamics",
+    "forward_dynamics",
+    "kinetic_energy",
+    "body_poses",
+    "coordinate_rates",
+    "point_accelerations",
+)
+"""Outputs with results of every number of axes, which read all arrays that there are."""
+
+
+@pytest.mark.parametrize("seed", slow_except(range(4), 0))
+def test_outputs_of_random_trees_have_the_bits_of_numpy(seed: int, jax: Any) -> None:
+    system = everything(seed, 2)
+    names = [name for name in OF_EVERY_KIND if name in available(system)]
+    found = functions(system, names, derivatives=False, flags="-O0 -ffp-contract=off", on_status="ignore")
+    library, rng = found.library.with_on_status("ignore"), np.random.default_rng(seed)
+    sets = np.array([[*other_parameters(system, k).values()] for k in range(3)])
+    for name in names:
+        function = getattr(found, name)
+        given = {array.name: rng.uniform(-1, 1, (3, *array.shape)) for array in function.arguments.arrays}
+        for load, kind in (
+            ("force", "body"),
+            ("torque", "body"),
+            ("point_force", "point"),
+            ("point_moment", "point"),
+        ):
+            for row in library.source.model.unloaded(kind) if load in given else ():
+                given[load][:, row] = 0.0
+        if "parameters" in given:
+            given["parameters"] = sets
+        expected = getattr(library, name)(**given)
+        np.testing.assert_array_equal(jax.vmap(lambda a, f=function: f(**a))(given), expected, err_msg=name)
+        one = {key: value[1] for key, value in given.items()}
+        np.testing.assert_array_equal(
+            jax.jit(lambda a, f=function: f(**a))(one), getattr(library, name)(**one)
+        )
+
+
+def test_subnormal_numbers_are_kept(pendulum: Any, jax: Any) -> None:
+    tau = np.array([3e-310, 0.0])
+    found = jax.jit(pendulum.forward_dynamics)(np.zeros(2), np.zeros(2), tau)
+    np.testing.assert_array_equal(found, pendulum.library.forward_dynamics(np.zeros(2), np.zeros(2), tau))
+    assert found[0] == 3e-310
+
+
+def test_single_precision(jax: Any) -> None:
+    functions = made("double_pendulum", precision="float")
+    x, y, tau = state(functions, count=5)
+    with jax.enable_x64(False):
+        found = jax.vmap(functions.forward_dynamics)(x, y, tau)
+        slope = jax.grad(lambda x: functions.forward_dynamics(x, y, tau).sum())(x)
+    assert found.dtype == slope.dtype == np.float32
+    np.testing.assert_array_equal(found, functions.library.forward_dynamics(x, y, tau))
+    exact = made("double_pendulum").library.forward_dynamics(x, y, tau)
+    assert np.abs(found - exact).max() < 1e-4 * np.abs(exact).max()
+
+
+# Batches
+
+
+def test_vmapped_parameters_are_those_of_each_row(pendulum: Any, jax: Any) -> None:
+    x, y, tau = state(pendulum, count=100)
+    usual = np.array([*pendulum.library.parameters.values()])
+    sets = usual * np.random.default_rng(3).uniform(0.5, 2.0, (100, 5))
+    expected = np.stack(
+        [
+            pendulum.library.with_parameters(
+                dict(zip(pendulum.library.parameters, one, strict=True))
+            ).forward_dynamics(x[k], y[k], tau[k])
+            for k, one in enumerate(sets)
+        ]
+    )
+
+    def one(x: Any, y: Any, tau: Any, p: Any) -> Any:
+        return pendulum.forward_dynamics(x, y, tau, parameters=p)
+
+    np.testing.assert_array_equal(jax.jit(jax.vmap(one))(x, y, tau, sets), expected)
+    np.testing.assert_array_equal(one(x, y, tau, sets), expected)
+    columns = dict(zip(pendulum.library.parameters, sets.T, strict=True))
+    np.testing.assert_array_equal(one(x, y, tau, columns), expected)
+    some = {name: columns[name] for name in ("m1", "l2")}
+    full = usual * np.ones((100, 1))
+    full[:, [1, 4]] = sets[:, [1, 4]]
+    np.testing.assert_array_equal(one(x, y, tau, some), one(x, y, tau, full))
+    # One state with a hundred sets, and a hundred states with one set.
+    np.testing.assert_array_equal(
+        jax.vmap(one, (None, None, None, 0))(x[0], y[0], tau[0], sets),
+        one(np.tile(x[0], (100, 1)), np.tile(y[0], (100, 1)), np.tile(tau[0], (100, 1)), sets),
+    )
+    np.testing.assert_array_equal(
+        jax.vmap(one, (0, 0, 0, None))(x, y, tau, sets[7]), one(x, y, tau, np.tile(sets[7], (100, 1)))
+    )
+
+
+def test_axes_are_broadcast_as_in_numpy(pendulum: Any, jax: Any) -> None:
+    x, y, tau = state(pendulum, count=6)
+    sets = np.array([*pendulum.library.parameters.values()]) * np.array([[1.0], [1.5], [0.7], [2.0]])
+
+    def one(*given: Any) -> Any:
+        return pendulum.forward_dynamics(*given[:3], parameters=given[3])
+
+    expected = np.array([[[np.array(one(a, b, tau[0], p)) for p in sets] for b in y] for a in x])
+    nested = jax.vmap(
+        jax.vmap(jax.vmap(one, (None, None, None, 0)), (None, 0, None, None)), (0, None, None, None)
+    )
+    np.testing.assert_array_equal(nested(x, y, tau[0], sets), expected)
+    broadcast = one(x[:, None, None], y[:, None], tau[0], sets)
+    np.testing.assert_array_equal(broadcast, expected)
+    # Rows of 130 states fill two blocks and begin a third.
+    many = np.tile(x, (22, 1))[:130]
+    np.testing.assert_array_equal(
+        one(many, y[0], tau[0], sets[0]), one(many, *([a] * 130 for a in (y[0], tau[0])), sets[0])
+    )
+    assert one(np.zeros((0, 2)), np.zeros((0, 2)), tau[0], sets[0]).shape == (0, 2)
+    out_axes = jax.vmap(one, (1, 0, None, None), out_axes=1)(x.T, y, tau[0], sets[0])
+    np.testing.assert_array_equal(out_axes.T, one(x, y, tau[0], sets[0]))
+
+
+def test_compiled_once(pendulum: Any, jax: Any) -> None:
+    compiled = jax.jit(pendulum.forward_dynamics)
+    for seed in range(3):
+        compiled(*state(pendulum, seed))
+    assert compiled._cache_size() == 1
+
+
+# Derivatives
+
+
+def test_both_modes_give_the_generated_derivatives(satellite: Any, pendulum: Any, jax: Any) -> None:
+    for functions, name in (
+        (satellite, "forward_dynamics"),
+        (pendulum, "forward_dynamics"),
+        (pendulum, "inverse_dynamics"),
+    ):
+        given = state(functions)
+        if name == "inverse_dynamics":
+            given = (*given[:2], given[2])
+        function = getattr(functions, name)
+        derivatives = getattr(functions.library, f"{name}_derivatives")(*given)
+        columns = functions.library.derivative_columns(f"{name}_derivatives")
+        for mode in (jax.jacfwd, jax.jacrev):
+            by = dict(zip(function.arguments.positional, mode(function, (0, 1, 2))(*given), strict=False))
+            for one, found in by.items():
+                right = (
+                    functions.library.mass_matrix(given[0])
+                    if one == "ydot"
+                    else derivatives[..., columns[one]]
+                )
+                np.testing.assert_allclose(found, right, rtol=1e-14, atol=1e-14 * np.abs(right).max())
+
+
+def test_a_gradient_by_parameters_has_their_names(pendulum: Any, jax: Any) -> None:
+    x, y, tau = state(pendulum)
+    usual = pendulum.library.parameters
+    found = jax.grad(lambda p: pendulum.forward_dynamics(x, y, tau, parameters=p).sum())(usual)
+    columns = pendulum.library.derivative_columns("forward_dynamics_derivatives")["parameters"]
+    right = pendulum.library.forward_dynamics_derivatives(x, y, tau)[:, columns].sum(axis=0)
+    np.testing.assert_allclose([found[name] for name in usual], right, rtol=1e-13)
+
+
+def rates_of_pendulum(now: Any, tau: Any, p: Any) -> Any:
+    """Return {xdot} and {ydot} of two point masses on rods, as a textbook has them, for complex numbers."""
+    (q1, q2, y1, y2), (m1, m2, l1, l2, g) = now, (p[name] for name in ("m1", "m2", "l1", "l2", "g"))
+    turned, near = m2 * l1 * l2 * np.sin(q2), m2 * l1 * l2 * np.cos(q2)
+    outer = m2 * l2**2
+    matrix = np.array([[(m1 + m2) * l1**2 + outer + 2 * near, outer + near], [outer + near, outer]])
+    hanging = m2 * g * l2 * np.sin(q1 + q2)
+    forces = [
+        turned * (2 * y1 + y2) * y2 - (m1 + m2) * g * l1 * np.sin(q1) - hanging,
+        -turned * y1**2 - hanging,
+    ]
+    return np.array([y1, y2, *np.linalg.solve(matrix, np.array(forces) + tau)])
+
+
+def end_of_rollout(start: Any, tau: Any, p: Any, steps: int, step: float) -> Any:
+    """Return the last state of a motion of the double pendulum by RK4, for real or complex numbers."""
+    for k in range(steps):
+        held = tau[k] if tau.ndim > 1 else tau
+        one = rates_of_pendulum(start, held, p)
+        two = rates_of_pendulum(start + step / 2 * one, held, p)
+        three = rates_of_pendulum(start + step / 2 * two, held, p)
+        four = rates_of_pendulum(start + step * three, held, p)
+        start = start + step / 6 * (one + 2 * two + 2 * three + four)
+    return start
+
+
+def test_gradient_through_a_rollout_of_a_hundred_steps(pendulum: Any, jax: Any) -> None:
+    steps, step = 100, 0.01
+    x, y, tau = state(pendulum, 4)
+    weights = np.array([1.0, -0.5, 0.2, 0.3])
+    parameters = pendulum.library.parameters
+
+    def cost(x: Any, y: Any, tau: Any, p: Any) -> Any:
+        xs, ys = pendulum.rollout(x, y, tau, steps=steps, step=step, parameters=p)
+        return jax.numpy.concatenate([xs[-1], ys[-1]]) @ weights
+
+    value, (by_x, by_y, by_tau, by_p) = jax.jit(jax.value_and_grad(cost, (0, 1, 2, 3)))(x, y, tau, parameters)
+    start = np.concatenate([x, y])
+    found = np.array([*by_x, *by_y, *by_tau, *(by_p[name] for name in parameters)])
+    right = []
+    for k in range(len(found)):  # a complex step by one variable after the other has no error but rounding
+        moved = np.concatenate([start, tau, [*parameters.values()]]).astype(complex)
+        moved[k] += 1j * STEP
+        own = dict(zip(parameters, moved[6:], strict=True))
+        end = end_of_rollout(moved[:4], moved[4:6], own, steps, step) @ weights
+        right.append(end.imag / STEP)
+    # Rounding errors of 100 steps, 1e-14, grow no more than small changes of the start do, about tenfold.
+    assert value == pytest.approx(end.real, rel=1e-11)
+    np.testing.assert_allclose(found, right, rtol=1e-10, atol=1e-10 * np.abs(right).max())
+
+
+def test_gradient_by_held_inputs_and_of_many_rollouts(pendulum: Any, jax: Any) -> None:
+    steps, step = 20, 0.02
+    x, y, _ = state(pendulum, count=3)
+    tau = np.random.default_rng(5).normal(size=(steps, 2))
+
+    def ends(tau: Any) -> Any:
+        def one(x: Any, y: Any) -> Any:
+            return pendulum.rollout(x, y, tau, steps=steps, step=step)[0][-1]
+
+        return jax.vmap(one)(x, y).sum()
+
+    along = np.random.default_rng(6).normal(size=tau.shape)
+    right = 0.0
+    for pair in zip(x, y, strict=True):
+        moved = tau + 1j * STEP * along
+        end = end_of_rollout(np.concatenate(pair), moved, pendulum.library.parameters, steps, step)
+        right += end[:2].imag.sum() / STEP
+    assert (jax.grad(ends)(tau) * along).sum() == pytest.approx(right, rel=1e-10)
+
+
+def test_rates_of_a_state_with_a_quaternion(satellite: Any, jax: Any) -> None:
+    x, y, tau = state(satellite)
+    system = kg.load(MODELS / "satellite.toml")
+    now = np.concatenate([x, y])
+    none = np.zeros((system.number_of_bodies, 3))
+
+    def reference(now: Any, tau: Any) -> Any:
+        x, y = now[:9], now[9:]
+        matrix, forcing = dynamics(system, {"x": x, "y": y, "force": none, "torque": none})
+        return np.concatenate([rates_of(system, x, y), np.linalg.solve(matrix, forcing + tau)])
+
+    np.testing.assert_allclose(satellite.state_rates(now, tau), reference(now, tau), rtol=1e-11, atol=1e-12)
+    along = np.random.default_rng(7).normal(size=17)
+    _, found = jax.jvp(lambda s: satellite.state_rates(s, tau), (now,), (along,))
+    right = reference(now + 1j * STEP * along, tau).imag / STEP
+    np.testing.assert_allclose(found, right, rtol=1e-10, atol=1e-10 * np.abs(right).max())
+
+
+def test_rates_take_leading_axes(pendulum: Any, satellite: Any, jax: Any) -> None:
+    for functions in (pendulum, satellite):
+        x, y, tau = state(functions, count=4)
+        many = functions.state_rates(np.concatenate([x, y], axis=-1), tau[0])
+        for k in range(4):
+            np.testing.assert_array_equal(
+                many[k], functions.state_rates(np.concatenate([x[k], y[k]]), tau[0])
+            )
+
+
+def test_derivatives_that_were_not_generated(pendulum: Any, satellite: Any, jax: Any) -> None:
+    x, y, tau = state(pendulum)
+    with pytest.raises(OptionError, match="second derivatives, which are not generated"):
+        jax.hessian(lambda x: pendulum.forward_dynamics(x, y, tau).sum())(x)
+    with pytest.raises(OptionError, match=r"mass_matrix: JAX asks for the derivative by x\. There are no"):
+        jax.grad(lambda x: pendulum.mass_matrix(x).sum())(x)
+    with pytest.raises(OptionError, match=r"by step\. There are derivatives by x, y, tau, parameters"):
+        jax.grad(lambda h: pendulum.step(x, y, tau, step=h)[0].sum())(0.1)
+    x, y, tau = state(satellite)
+    force = np.zeros((3, 3))
+    with pytest.raises(OptionError, match=r"by force\. There are derivatives by x, y, tau\."):
+        jax.grad(lambda force: satellite.forward_dynamics(x, y, tau, force).sum())(force)
+    by_x = jax.grad(lambda x: satellite.forward_dynamics(x, y, tau, force).sum())(x)
+    assert np.isfinite(by_x).all()
+    bare = made("double_pendulum", derivatives=False)
+    x, y, tau = state(bare)
+    with pytest.raises(OptionError, match="was built without forward_dynamics_derivatives"):
+        jax.grad(lambda x: bare.forward_dynamics(x, y, tau).sum())(x)
+
+
+# Statuses
+
+
+def test_statuses_follow_the_rule(jax: Any) -> None:
+    bad = np.array([[0.1, 0.2], [np.nan, 0.0], [0.3, 0.1]])
+    y = np.zeros((3, 2))
+    found = {
+        rule: made("double_pendulum", derivatives=False, on_status=rule)
+        for rule in ("warn", "raise", "ignore")
+    }
+    message = (
+        r"forward_dynamics: in 1 of 3 states .* in state 1 acceleration\[0\] is nan.* because x\[0\] is nan"
+    )
+    with pytest.warns(KanegenWarning, match=message):
+        some = found["warn"].forward_dynamics(bad, y)
+    assert np.isnan(some[1]).all()
+    assert np.isfinite(some[::2]).all()
+    with pytest.raises(jax.errors.JaxRuntimeError, match=message):
+        jax.jit(jax.vmap(found["raise"].forward_dynamics))(bad, y).block_until_ready()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        np.testing.assert_array_equal(found["ignore"].forward_dynamics(bad, y), some)
+
+
+def test_what_does_not_exist(jax: Any) -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    found = functions(system, flags=QUICK, derivatives=False)
+    weightless = {"m1": 0.0, "m2": 0.0}
+    with pytest.raises(jax.errors.JaxRuntimeError, match=r"the pivot of .A. at freedom 'q.' of body"):
+        found.forward_dynamics(np.zeros(2), np.zeros(2), parameters=weightless).block_until_ready()
+    with pytest.warns(KanegenWarning, match="in 2 of 2 states the result does not exist"):
+        rows = found.forward_dynamics(np.zeros((2, 2)), np.zeros((2, 2)), parameters=weightless)
+    assert np.isnan(rows).all()
+
+
+def test_loads_on_bodies_that_take_none(satellite: Any, jax: Any) -> None:
+    x, y, tau = state(satellite)
+    (row, *_) = satellite.library.source.model.unloaded("body")
+    force = np.zeros((3, 3))
+    force[row, 1] = 1.0
+    with pytest.raises(
+        jax.errors.JaxRuntimeError, match=f"force: row {row} is not zero, but body .* takes no loads"
+    ):
+        jax.jit(satellite.forward_dynamics)(x, y, tau, force).block_until_ready()
+
+
+# Bad input
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "message"),
+    [
+        ((np.zeros(3), np.zeros(2)), ArrayError, r"^x: expected shape \(..., 2\), got \(3,\)\.$"),
+        ((np.zeros(2),), ArrayError, r"^y: missing, but the result depends on this input\."),
+        (
+            (np.zeros((4, 2)), np.zeros((3, 2))),
+            ArrayError,
+            r"leading axes do not fit together: .*x \(4, 2\), y \(3, 2\)",
+        ),
+        (([["a", "b"]], np.zeros(2)), ArrayError, r"^x: expected real numbers, got an array of <U1\.$"),
+        (([[1.0], [1.0, 2.0]], np.zeros(2)), ArrayError, r"^x: the rows have different lengths\.$"),
+        (
+            (np.zeros(2), np.zeros(2) * 1j),
+            ArrayError,
+            r"^y: expected real numbers, got an array of complex128\.$",
+        ),
+        (
+            (*np.zeros((5, 2)), 1, 2),
+            ArrayError,
+            r"7 arguments without a name; there are x, y, tau, force, torque\.$",
+        ),
+        (
+            (*np.zeros((3, 2)), np.zeros((2, 3))),
+            ArrayError,
+            r"^force: nothing in system 'double_pendulum' takes it\.",
+        ),
+    ],
+)
+def test_wrong_arguments(pendulum: Any, given: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message) as caught:
+        pendulum.forward_dynamics(*given)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "message"),
+    [
+        ({"parameters": {"m3": 1.0}}, ModelError, "unknown parameter 'm3'"),
+        ({"parameters": np.ones(4)}, ArrayError, r"^parameters: expected shape \(..., 5\), got \(4,\)\.$"),
+        (
+            {"paramters": np.ones(5)},
+            ArrayError,
+            r"^paramters: there is no such argument\. Did you mean 'parameters'\?$",
+        ),
+        ({"t": 0.0}, ArrayError, r"^t: forward_dynamics of system 'double_pendulum' does not depend on it\."),
+        ({"x": np.zeros(2)}, ArrayError, r"^x: passed twice"),
+    ],
+)
+def test_wrong_named_arguments(pendulum: Any, given: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        pendulum.forward_dynamics(np.zeros(2), np.zeros(2), **given)
+
+
+def test_wrong_motions(pendulum: Any, satellite: Any) -> None:
+    with pytest.raises(
+        ArrayError, match=r"^state: expected shape \(..., 4\), \{x\} then \{y\}, got \(3,\)\.$"
+    ):
+        pendulum.state_rates(np.zeros(3))
+    with pytest.raises(ArrayError, match=r"^tau: expected shape \(2,\) or \(10, 2\), got \(9, 2\)\.$"):
+        pendulum.rollout(np.zeros(2), np.zeros(2), np.zeros((9, 2)), steps=10, step=0.1)
+    with pytest.raises(
+        ArrayError, match=r"^x: expected shape \(2,\), got \(4, 2\)\. For many use jax\.vmap\.$"
+    ):
+        pendulum.rollout(np.zeros((4, 2)), np.zeros((4, 2)), steps=10, step=0.1)
+    with pytest.raises(OptionError, match="was built without the output 'step_euler'"):
+        pendulum.step(np.zeros(2), np.zeros(2), step=0.1, method="euler")
+    with pytest.raises(OptionError, match="unknown method 'rk45'"):
+        pendulum.step(np.zeros(2), np.zeros(2), step=0.1, method="rk45")
+    with pytest.raises(AttributeError, match="was built without the output 'momentum'"):
+        pendulum.momentum  # noqa: B018
+    with pytest.raises(
+        AttributeError, match=r"no output 'foward_dynamics'\. Did you mean 'forward_dynamics'"
+    ):
+        pendulum.foward_dynamics  # noqa: B018
+
+
+def test_wrong_choices(jax: Any) -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    pairs = Variant(precision="double-double", storage="double-double")
+    for given, message in (
+        ({"outputs": "rollout_rk4"}, "Take step_rk4, and call rollout"),
+        ({"outputs": "mass"}, "unknown output 'mass'"),
+        (
+            {"tier": pairs},
+            "no numbers in double-double",
+        ),
+        ({"on_status": "nan"}, "unknown on_status 'nan'"),
+    ):
+        with pytest.raises(OptionError, match=message):
+            functions(system, **given)
+    with pytest.raises(OptionError, match="is no system and no library"):
+        functions("double_pendulum")
+    with pytest.raises(OptionError, match="Build it with parameters_by_state=True"):
+        functions(kg.build(system, ("mass_matrix",), flags=QUICK))
+    with (
+        jax.enable_x64(False),
+        pytest.raises(OptionError, match=r'jax_enable_x64", True\) first, or build with'),
+    ):
+        functions(system)
+
+
+def test_numbers_of_64_bits_switched_off_later(pendulum: Any, jax: Any) -> None:
+    with jax.enable_x64(False), pytest.raises(OptionError, match="which JAX rounds to 32"):
+        pendulum.forward_dynamics(np.zeros(2), np.zeros(2))
+
+
+# Several models, threads, processes
+
+
+def test_two_models_of_the_same_name(jax: Any) -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    other = replace(system, gravity=(1.62, 0.0, 0.0))
+    first, second = (functions(one, flags=QUICK, derivatives=False) for one in (system, other))
+    x, y = np.array([0.3, 0.1]), np.zeros(2)
+    both = jax.jit(lambda x: (first.forward_dynamics(x, y), second.forward_dynamics(x, y)))(x)
+    for one, found in zip((first, second), both, strict=True):
+        np.testing.assert_array_equal(found, one.library.forward_dynamics(x, y))
+    assert not np.allclose(*both)
+
+
+def test_threads_share_functions(pendulum: Any, jax: Any) -> None:
+    compiled = jax.jit(pendulum.forward_dynamics)
+    given = [state(pendulum, seed, 50) for seed in range(16)]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda one: compiled(*one), given))
+    for one, result in zip(given, found, strict=True):
+        np.testing.assert_array_equal(result, pendulum.library.forward_dynamics(*one))
+
+
+CHILD = """
+import pickle, sys
+import jax, numpy as np
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
+jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+functions = pickle.loads(open(sys.argv[1], "rb").read())
+x = np.array([0.3, 0.1])
+found = jax.jit(lambda x: functions.forward_dynamics(x, np.zeros(2)))(x)
+assert (found == functions.library.forward_dynamics(x, np.zeros(2))).all()
+print(*found)
+"""
+
+
+def test_other_processes_take_functions_and_compiled_code(pendulum: Any, tmp_path: Any) -> None:
+    (tmp_path / "functions.pickle").write_bytes(pickle.dumps(pendulum))
+    command = [sys.executable, "-c", CHILD, str(tmp_path / "functions.pickle")]
+    cache = {"JAX_COMPILATION_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT)}
+    first = run(*command, folder=tmp_path, **cache)
+    assert list((tmp_path / "cache").iterdir()), "JAX has kept nothing on disk"
+    assert run(*command, folder=tmp_path, **cache) == first
+
+
+def test_a_library_becomes_functions(pendulum: Any) -> None:
+    again = functions(pendulum.library)
+    assert again.library.path == pendulum.library.path
+    assert repr(again) == repr(pendulum)
+    given = state(pendulum)
+    np.testing.assert_array_equal(again.forward_dynamics(*given), pendulum.forward_dynamics(*given))
+
+
+@pytest.mark.parametrize("compiler", C)
+@pytest.mark.parametrize("model", ["double_pendulum", "satellite"])
+def test_handlers_compile_without_warnings(compiler: str, model: str, tmp_path: Any) -> None:
+    system = kg.load(MODELS / f"{model}.toml")
+    source = kg.generate(
+        system, ("forward_dynamics", "step_rk4_derivatives"), parameters_by_state=model[0] == "d"
+    )
+    handlers = importlib.import_module("kanegen.interop.jax.facade").facade(source).files
+    own = {name: text for name, text in handlers.items() if not name.startswith("xla/")}
+    write(dict(source.files) | own, tmp_path / "own")
+    write({name: text for name, text in handlers.items() if name not in own}, tmp_path / "jaxlib")
+    run(
+        *C[compiler],
+        "-std=c99",
+        "-O2",
+        *WARNINGS,
+        "-isystem",
+        "../jaxlib",
+        "-c",
+        f"{source.model.name}_jax.c",
+        folder=tmp_path / "own",
+    )
+
+
+def test_slopes_name_outputs_that_there_are(pendulum: Any) -> None:
+    for name in (*OUTPUTS, *INTEGRATORS):
+        for one in slopes(name, pendulum.library.source.model):
+            assert one.function in {*OUTPUTS, *INTEGRATORS}
+            assert all(part.stop > part.start for part in one.columns.values())
+
+
+def test_the_page(jax: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(ROOT)
+    namespace: dict[str, Any] = {}
+    for block in blocks("embedding/jax", "python"):
+        exec(block, namespace)
+    assert np.isfinite(namespace["ydot"]).all()
+    assert namespace["by_tau"].shape == (100, 2)
+    assert namespace["several"].shape == (50, 2)
+    assert "FAILED_PRECONDITION: forward_dynamics: the pivot of [A]" in capsys.readouterr().out
