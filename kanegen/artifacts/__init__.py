@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from kanegen.artifacts.arduino import arduino
+from kanegen.artifacts.arduino import refusal as arduino_refusal
 from kanegen.artifacts.artifact import Artifact, lacking
 from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
@@ -47,6 +49,9 @@ ARTIFACTS: dict[str, Artifact] = {
         Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
         Artifact("reanchoring", "Re-anchors joints at run time.", reanchoring, reanchoring_refusal),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
+        Artifact(
+            "arduino", "Is a library for microcontrollers.", arduino, arduino_refusal, precision="float"
+        ),
         Artifact(
             "casadi",
             "External functions of CasADi, with Jacobians.",

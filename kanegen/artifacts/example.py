@@ -24,17 +24,27 @@ def example(source: Source) -> dict[str, str]:
         "artifacts/main.c",
         model=source.model,
         functions=functions,
-        inputs=_inputs(source.model, functions, model_formats),
-        results=list(dict.fromkeys(f"{model_formats.of(a.name).c_type} {declarator(a)}" for a in printed)),
+        inputs=inputs(source.model, functions, model_formats),
+        results=results(functions, model_formats),
         printers=_printers(printed, model_formats),
     )
     return {"main.c": text}
 
 
-def _inputs(
+def inputs(
     model: ModelDescription, functions: Sequence[Function], model_formats: Formats
 ) -> list[tuple[str, list[str]]]:
-    """Return the declaration of each input array, and a line for each of its elements."""
+    """Return the declaration of each input array, and a line for each of its elements, with a value.
+
+    Args:
+        model: Names of the elements, and the values of parameters.
+        functions: The functions that read them.
+        model_formats: Precisions of the arrays.
+
+    Example:
+        inputs(source.model, source.functions, formats(source.variant))
+        # [('double x[2]', ['0.1, /* q1 */', '0.2 /* q2 */']), ...]
+    """
     found: dict[str, list[str]] = {}
     for function in functions:
         for array in function.inputs:
@@ -43,6 +53,16 @@ def _inputs(
                 lines = _initializer(_elements(model, function, array), precision)
                 found[f"{precision.c_type} {declarator(array)}"] = lines
     return list(found.items())
+
+
+def results(functions: Sequence[Function], model_formats: Formats) -> list[str]:
+    """Return the declaration of each array that some functions fill, such as `double A[2 * 2]`.
+
+    Example:
+        results(source.functions, formats(source.variant))
+    """
+    printed = [array for function in functions for array in function.outputs]
+    return list(dict.fromkeys(f"{model_formats.of(one.name).c_type} {declarator(one)}" for one in printed))
 
 
 def _elements(model: ModelDescription, function: Function, array: Array) -> list[tuple[float, str]]:

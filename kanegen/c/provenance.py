@@ -36,6 +36,7 @@ _COMMENTS = {
     ".ts": "/* {} */",
     ".txt": "# {}",
     ".xml": "<!-- {} -->",
+    ".yml": "# {}",
 }
 """First line of a file by its suffix, with a placeholder for the text of the line."""
 

@@ -71,20 +71,33 @@ def render(
         model, module, operations, variant, decided, longest, chosen, parameters_by_state, batches
     )
     require_range(model, render_input.programs, render_input.formats)
-    printed = target.printed(render_input)
+    return printed(render_input, target)
+
+
+def printed(render_input: RenderInput, target: Target) -> Source:
+    """Return the code that a target prints, without artifacts beside it.
+
+    Args:
+        render_input: The programs and the choices for the code; `replace(source.render_input, batches=False)`
+            are those of a source for one state alone.
+        target: The language.
+
+    Example:
+        printed(replace(source.render_input, batches=False), target_named(source.target))
+    """
+    made = target.printed(render_input)
     return Source(
-        model=model,
+        model=render_input.model,
         outputs=render_input.outputs,
         functions=render_input.functions,
-        operations=dict(operations),
-        files={name: with_provenance(name, text) for name, text in printed.files.items()},
-        cdef=printed.declarations,
-        variant=variant,
+        operations=dict(render_input.operations),
+        files={name: with_provenance(name, text) for name, text in made.files.items()},
+        cdef=made.declarations,
+        variant=render_input.variant,
         target=target.name,
-        module=render_input.selected,
+        render_input=render_input,
         rollouts=render_input.rollouts,
         integrators=tuple(render_input.steps),
-        decided=dict(decided),
     )
 
 

@@ -12,6 +12,7 @@ from kanegen.c.folder import write
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source_html import source_html
 from kanegen.c.steps import Rollout
+from kanegen.c.target import RenderInput
 from kanegen.files import path_of
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
@@ -40,9 +41,9 @@ class Source:
         target: Name of the language.
         artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
         certificate: The fields of the certificate of a budget, {} without one.
-        module: The programs that were printed; None for a source that was not made by `render`.
+        render_input: The programs that were printed, with the choices for the code; None for a source that
+            was not made by `render`.
         system: The system that the programs compute; None where only the description is known.
-        decided: Values and reasons of choices that were left to kanegen, as text by name of the choice.
 
     Example:
         >>> source = kg.generate(kg.load("models/double_pendulum.toml"))
@@ -61,11 +62,15 @@ class Source:
     target: str = "c99"
     artifacts: tuple[str, ...] = ()
     certificate: Mapping[str, Any] = field(default_factory=dict)
-    module: Module | None = field(default=None, repr=False, compare=False)
+    render_input: RenderInput | None = field(default=None, repr=False, compare=False)
     system: System | None = field(default=None, repr=False, compare=False)
     rollouts: tuple[Rollout, ...] = ()
     integrators: tuple[str, ...] = ()
-    decided: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def module(self) -> Module | None:
+        """The programs that were printed; None for a source that was not made by `render`."""
+        return self.render_input.selected if self.render_input else None
 
     @property
     def parameters_by_state(self) -> bool:

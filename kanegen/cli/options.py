@@ -78,6 +78,7 @@ Outputs = Annotated[
 TARGETS = (
     "reanchoring",
     "certificate",
+    "arduino",
     "self-test",
     "wasm",
 )

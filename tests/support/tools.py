@@ -79,6 +79,7 @@ def _programs() -> dict[str, Program]:
         program.command: program
         for program in (
             Program("arm-none-eabi-gcc", cortex),
+            Program("avr-gcc", ("gcc-avr", "avr-libc", "arduino-core-avr")),
             Program("cargo", ("cargo",)),
             Program("cppcheck", ("cppcheck",)),
             Program("mkoctfile", ("octave-dev",)),
@@ -86,6 +87,7 @@ def _programs() -> dict[str, Program]:
             Program("npm", ("npm",)),
             Program("octave", ("octave",)),
             Program("qemu-system-arm", ("qemu-system-arm",)),
+            Program("simavr", ("simavr",)),
             Program("wine", ("wine", "wine64")),
         )
     }

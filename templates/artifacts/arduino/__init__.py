@@ -1,0 +1,1 @@
+"""Jinja templates of a library for Arduino and other microcontrollers."""
