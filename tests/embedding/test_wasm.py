@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +18,7 @@ from kanegen.c.folder import write
 from kanegen.library import load
 from kanegen.products import compiled_files
 from tests.support.browser import OpenPage
+from tests.support.pages import blocks, copy_of_checkout, files, run, run_console
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
 from tests.support.wasm import bits, inputs_of, native_results
@@ -135,3 +137,126 @@ def test_random_trees_with_all_inputs_have_the_bits_of_native_code_in_node(seed:
     outputs = ("forcing", "forward_dynamics", "coordinate_rates")
     source = package(everything(seed, bodies=3), outputs, tmp_path / "build")
     compare(Node(tmp_path / "build", source.model.name), source, outputs)
+
+
+TYPED = """
+import { load, description, StatusError, type Model, type Arrays } from "./double_pendulum.js";
+
+const seen: string[] = [];
+const model: Model = await load({ states: 2, onStatus: (error: StatusError) => seen.push(error.message) });
+const ydot: Float64Array = model.forward_dynamics([0.1, 0.2], new Float64Array(2), undefined);
+const { x_next, y_next } = model.step_rk4([0.1, 0.2], [0, 0], [0, 0], 1e-3);
+const arrays: Arrays = model.arrays;
+const name: string = description.freedoms[0].name;
+arrays.x.set([ydot[0], x_next[0], y_next[0], name.length]);
+model.prepare(description.parameters.map(({ value }) => value));
+// @ts-expect-error: there is no such function
+model.inverse_dynamics();
+// @ts-expect-error: there is no such rule
+await load({ onStatus: "panic" });
+// @ts-expect-error: arrays stay where they are
+arrays.x = new Float64Array(2);
+"""
+"""A program in TypeScript that uses everything that the types describe."""
+
+
+@pytest.mark.embed("node", "npm")
+def test_types_describe_what_the_module_does(pendulum: tuple[Path, kg.Source], tmp_path: Path) -> None:
+    folder = shutil.copytree(pendulum[0] / FOLDER, tmp_path / "package")
+    (folder / "use.mts").write_text(TYPED.replace("./double_pendulum.js", "double_pendulum"))
+    run("npm install --silent --no-audit --no-fund --prefix . typescript@^7", tmp_path)
+    options = "--noEmit --strict --module nodenext --target es2022 --lib es2022,dom --types ''"
+    run(f"../node_modules/.bin/tsc {options} use.mts", folder)
+
+
+STATUSES = """async ([parameters, x]) => {
+    const { load } = await import("/double_pendulum.js");
+    const model = await load(), seen = [], none = [0, 0];
+    const tried = (call) => {
+        try {
+            call();
+            seen.push(null);
+        } catch ({ name, message, kind }) {
+            seen.push([name, message, kind]);
+        }
+    };
+    tried(() => model.prepare(parameters));
+    tried(() => model.forward_dynamics(x, none, none));
+    tried(() => model.forward_dynamics(x, none));
+    tried(() => model.forward_dynamics([1], none));
+    const several = await load({ states: 3, onStatus: ({ message }) => seen.push(message) });
+    several.prepare(parameters);
+    several.forward_dynamics([...x, ...x, ...x], none, none);
+    return seen;
+}"""
+"""Calls that fail, one after the other, and what each throws or reports."""
+
+
+def test_statuses_have_the_words_of_the_library(browser: Any, pendulum: tuple[Path, kg.Source]) -> None:
+    folder, source = pendulum
+    opened = served(browser, folder / FOLDER)
+    parameters = [9.81, 1.0, 1.0, 0.0, 0.7]  # a lower body without mass, by whose inertia `prepare` divides
+    prepared, singular, again, shape, *several = opened.page.evaluate(STATUSES, [parameters, [0.1, 0.2]])
+    assert prepared is None and opened.messages == ["prepare: a result is infinite or NaN."]
+    library = load(source, on_status="ignore").with_parameters({"m2": 0.0}).with_on_status("warn")
+    with pytest.raises(kg.KanegenError) as error:
+        library.forward_dynamics([0.1, 0.2], [0, 0], [0, 0])
+    clause = "forward_dynamics: the pivot of [A] at freedom 'q2'"
+    assert singular[1].startswith(clause) and str(error.value).startswith(clause)
+    assert singular[::2] == ["StatusError", "missing"] == again[::2]
+    assert shape[:2] == ["RangeError", "forward_dynamics: x has 1 numbers instead of 2."]
+    assert several == [
+        "prepare: a result is infinite or NaN.",
+        "forward_dynamics: 3 of 3 states have a result that is missing, not finite or not accurate.",
+    ]
+
+
+def test_the_page_follows_its_fields(browser: Any, pendulum: tuple[Path, kg.Source]) -> None:
+    folder, source = pendulum
+    opened = served(browser, folder / FOLDER)
+    opened.page.wait_for_selector("#results td")
+    opened.page.fill("input[name=x0]", "1.5")
+    shown = [float(text) for text in opened.page.locator("#results td").all_inner_texts()]
+    expected = load(source).forward_dynamics([1.5, 0.2], [0.1, 0.2], [0, 0])
+    assert np.allclose(shown, expected, rtol=1e-5)  # six digits are shown
+    picture = "document.querySelector('canvas').getContext('2d').getImageData(60, 20, 200, 200).data"
+    assert opened.page.evaluate(f"{picture}.some((n) => n)")
+    opened.page.fill("input[name=parameters3]", "0")
+    assert "forward_dynamics: status 2" in opened.page.inner_text("#results")
+    assert opened.messages == []
+
+
+def test_code_without_batches_has_one_state(browser: Any, tmp_path: Path) -> None:
+    package(kg.load(MODELS / "planar_pendulum.toml"), ("forcing",), tmp_path / "build", batches=False)
+    opened = served(browser, tmp_path / "build" / FOLDER)
+    script = """import("/planar_pendulum.js")
+        .then(({ load }) => load({ states: 2 }))
+        .catch(({ message }) => message)"""
+    assert opened.page.evaluate(script) == "states: this code has no functions for several states at once."
+
+
+def test_floats_are_arrays_of_floats(browser: Any, tmp_path: Path) -> None:
+    system = kg.load(MODELS / "planar_pendulum.toml")
+    source = package(system, ("forcing",), tmp_path / "build", precision="float")
+    opened = served(browser, tmp_path / "build" / FOLDER)
+    script = """async () => {
+        const { load } = await import("/planar_pendulum.js");
+        const model = await load(), f = model.forcing([0.1, 0.2], [0.3, 0.4]);
+        return [f.constructor.name, [...f]];
+    }"""
+    kind, found = opened.page.evaluate(script)
+    assert kind == "Float32Array"
+    expected = load(source).forcing([0.1, 0.2], [0.3, 0.4])
+    assert np.array_equal(np.array(found, np.float32), expected)
+
+
+PAGE = "embedding/webassembly"
+
+
+@pytest.mark.embed("node")
+def test_the_page_does_what_it_says(tmp_path: Path) -> None:
+    folder = copy_of_checkout(tmp_path)
+    for name, text in files(PAGE).items():
+        (folder / name).write_text(text)
+    for text in blocks(PAGE, "console"):
+        run_console(text, folder)
