@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from kanegen.artifacts.arduino import arduino
 from kanegen.artifacts.arduino import refusal as arduino_refusal
-from kanegen.artifacts.artifact import Artifact, lacking
+from kanegen.artifacts.artifact import Artifact, lacking, motion
 from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
@@ -22,6 +22,8 @@ from kanegen.artifacts.example import example
 from kanegen.artifacts.package_files import cmake, pkg_config, readme
 from kanegen.artifacts.reanchoring import reanchoring
 from kanegen.artifacts.reanchoring import refusal as reanchoring_refusal
+from kanegen.artifacts.rust import refusal as rust_refusal
+from kanegen.artifacts.rust import rust
 from kanegen.artifacts.selftest import selftest
 from kanegen.artifacts.wasm import refusal as wasm_refusal
 from kanegen.artifacts.wasm import wasm
@@ -58,6 +60,13 @@ ARTIFACTS: dict[str, Artifact] = {
             casadi,
             casadi_refusal,
             usual_outputs=usual_outputs,
+        ),
+        Artifact(
+            "rust",
+            "A crate of Rust, without the standard library.",
+            rust,
+            rust_refusal,
+            usual_outputs=motion,
         ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
         Artifact("wasm", "A package for browsers and Node.js, with types.", wasm, wasm_refusal),

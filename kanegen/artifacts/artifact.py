@@ -9,6 +9,7 @@ from kanegen.c.source import Source
 from kanegen.choices import require_one
 from kanegen.model.system import System
 from kanegen.program.precision import PRECISIONS
+from kanegen.recursion.outputs import RATES
 
 
 def _never(source: Source) -> str:
@@ -79,6 +80,12 @@ class Artifact:
         """Return a sentence on the functions among `needed` that a source lacks, "" if it has all."""
         functions = {one.name for one in source.functions} | {one.name for one in source.rollouts}
         return lacking([name for name in needed if name not in functions])
+
+
+def motion(system: System) -> tuple[str, ...]:
+    """Return the outputs that simulations need: {ydot}, with contacts, too, and {xdot} unless it is {y}."""
+    contacts = ("contact_dynamics",) if system.contacts else ()
+    return (RATES[0], *contacts, *(() if system.speeds_are_rates else RATES[1:]))
 
 
 def lacking(outputs: Sequence[str]) -> str:

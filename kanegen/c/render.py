@@ -93,6 +93,7 @@ def printed(render_input: RenderInput, target: Target) -> Source:
         operations=dict(render_input.operations),
         files={name: with_provenance(name, text) for name, text in made.files.items()},
         cdef=made.declarations,
+        code_files=tuple(made.files),
         variant=render_input.variant,
         target=target.name,
         render_input=render_input,

@@ -37,6 +37,7 @@ class Source:
             atan2.
         files: Text of every file by its name: header, source, example, build files, README.
         cdef: The declarations of the header, as cffi reads them.
+        code_files: Names of the files that hold the code itself; the others are those of artifacts.
         variant: The choices that shaped the code.
         target: Name of the language.
         artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
@@ -58,6 +59,7 @@ class Source:
     operations: Mapping[str, int]
     files: Mapping[str, str]
     cdef: str
+    code_files: tuple[str, ...] = ()
     variant: Variant = STRICT
     target: str = "c99"
     artifacts: tuple[str, ...] = ()
@@ -71,6 +73,11 @@ class Source:
     def module(self) -> Module | None:
         """The programs that were printed; None for a source that was not made by `render`."""
         return self.render_input.selected if self.render_input else None
+
+    @property
+    def code(self) -> dict[str, str]:
+        """The text of every file of the code itself, by its name, without the files of artifacts."""
+        return {name: self.files[name] for name in self.code_files}
 
     @property
     def parameters_by_state(self) -> bool:

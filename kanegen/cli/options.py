@@ -79,6 +79,8 @@ TARGETS = (
     "reanchoring",
     "certificate",
     "arduino",
+    "casadi",
+    "rust",
     "self-test",
     "wasm",
 )

@@ -21,9 +21,6 @@ from kanegen.program import precision as precisions
 from kanegen.program import semantics
 from kanegen.program.precision import LONG_DOUBLE
 
-EXAMPLE = "main.c"
-"""Generated file that is an example of use and no part of the library."""
-
 _LIBRARY_FLAGS = ("-std=c99", "-fPIC")
 """Compiler flags of generated code in every shared library."""
 
@@ -235,8 +232,8 @@ def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
 
 
 def code(source: Source) -> dict[str, str]:
-    """Return the sources and headers of the library, without the example, by file name."""
-    return {f: text for f, text in source.files.items() if f.endswith((".h", ".c")) and f != EXAMPLE}
+    """Return the sources and headers of the library, without files of artifacts, by file name."""
+    return {name: text for name, text in source.code.items() if name.endswith((".h", ".c"))}
 
 
 def write(files: Mapping[str, str], folder: Path) -> None:

@@ -1,0 +1,1 @@
+"""Templates of the artifact "rust": the files of a crate."""
