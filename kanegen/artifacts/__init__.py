@@ -18,6 +18,7 @@ from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
 from kanegen.artifacts.certificate import refusal as certificate_refusal
+from kanegen.artifacts.description import description
 from kanegen.artifacts.example import example
 from kanegen.artifacts.package_files import cmake, pkg_config, readme
 from kanegen.artifacts.reanchoring import reanchoring
@@ -49,6 +50,7 @@ ARTIFACTS: dict[str, Artifact] = {
         Artifact("cmake", "Builds and installs the code as a library.", cmake, _not_in_c, is_default=True),
         Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, _not_in_c, is_default=True),
         Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
+        Artifact("description", "Names the elements of arrays, and tells of them.", description, _not_in_c),
         Artifact("reanchoring", "Re-anchors joints at run time.", reanchoring, reanchoring_refusal),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
         Artifact(
@@ -153,10 +155,22 @@ def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     for name in asked:
         if obstacles[name]:
             raise OptionError(f"{name}: {obstacles[name]}")
-    files = dict(source.files)
-    possible = [name for name in ARTIFACTS if not obstacles[name]]
+    possible = tuple(name for name in ARTIFACTS if not obstacles[name])
+    made: dict[str, dict[str, str]] = {}
+    for name in asked:
+        made[name] = _files(name, source)
+    purposes = {ARTIFACTS[name].summary: tuple(files) for name, files in made.items()}
+    source = replace(source, artifacts=possible, beside={**source.beside, **purposes})  # for the README
     for name in possible:
-        if ARTIFACTS[name].is_default or name in asked:
-            made = ARTIFACTS[name].files(source)
-            files |= {file: with_provenance(file, text) for file, text in made.items()}
-    return replace(source, files=files, artifacts=tuple(possible))
+        if ARTIFACTS[name].is_default and name not in made:
+            made[name] = _files(name, source)
+    files = dict(source.files)
+    for name in ARTIFACTS:
+        files |= made.get(name, {})
+    return replace(source, files=files)
+
+
+def _files(name: str, source: Source) -> dict[str, str]:
+    """Return the files of an artifact beside a source, each with its line of provenance."""
+    made = ARTIFACTS[name].files(source)
+    return {file: with_provenance(file, text) for file, text in made.items()}

@@ -92,12 +92,12 @@ def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) ->
     """Return the lines between the braces of an initializer."""
     last = len(elements) - 1
     return [
-        f"{_initial(value, precision)}{',' if i < last else ''} /* {c_name(label)} */"
+        f"{constant(value, precision)}{',' if i < last else ''} /* {c_name(label)} */"
         for i, (value, label) in enumerate(elements)
     ]
 
 
-def _initial(value: float, precision: Precision) -> str:
+def constant(value: float, precision: Precision) -> str:
     """Return a number as a constant expression, which may not contain calls."""
     if precision.trailing_shape:
         return f"{{{value!r}, 0.0}}"

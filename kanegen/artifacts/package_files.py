@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import PurePosixPath
+
 from kanegen.c.context import Context, context
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
@@ -31,4 +34,11 @@ def _variables(source: Source) -> Context:
         "integrators": [(name, described[name]) for name in source.integrators],
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
         "parameters_by_state": source.parameters_by_state,
+        "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],
     }
+
+
+def _shown(files: Iterable[str]) -> str:
+    """Return the names of files for a table; of files in a folder, the name of the folder."""
+    first = (PurePosixPath(name).parts for name in files)
+    return ", ".join(dict.fromkeys(f"`{top}{'/' if below else ''}`" for top, *below in first))

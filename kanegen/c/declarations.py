@@ -182,7 +182,7 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
                 (f"{prefix}_{array.name.upper()}", array.size, array.doc)
                 for array in (*function.inputs, *function.outputs)
             ]
-    return _enumeration(rows)
+    return enumeration(rows)
 
 
 LIMITS = ("LOWER_LIMITS", "UPPER_LIMITS", "SPEED_LIMITS", "EFFORT_LIMITS")
@@ -216,7 +216,7 @@ def limits(model: ModelDescription, formats: Formats) -> list[str]:
 def parameter_places(model: ModelDescription) -> list[str]:
     """Return the lines of the enumeration of places in the array of parameters."""
     prefix = model.prefix
-    return _enumeration(
+    return enumeration(
         [
             (f"{prefix}_P_{name}", index, f"default {default!r}")
             for index, (name, default) in enumerate(model.parameters)
@@ -237,10 +237,10 @@ def prepared_places(model: ModelDescription, names: Sequence[str]) -> list[str]:
     for index, name in enumerate(names):
         meaning = "the parameter itself" if name in parameters else ""
         rows.append((f"{prefix}_C_{name}", index, meaning))
-    return _enumeration(rows)
+    return enumeration(rows)
 
 
-def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
+def enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
     """Return the lines between the braces of an enum; C++98 allows no comma after the last.
 
     Args:

@@ -41,6 +41,7 @@ class Source:
         variant: The choices that shaped the code.
         target: Name of the language.
         artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
+        beside: Purpose of each artifact that was asked for, with the names of its files.
         certificate: The fields of the certificate of a budget, {} without one.
         render_input: The programs that were printed, with the choices for the code; None for a source that
             was not made by `render`.
@@ -63,6 +64,7 @@ class Source:
     variant: Variant = STRICT
     target: str = "c99"
     artifacts: tuple[str, ...] = ()
+    beside: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     certificate: Mapping[str, Any] = field(default_factory=dict)
     render_input: RenderInput | None = field(default=None, repr=False, compare=False)
     system: System | None = field(default=None, repr=False, compare=False)

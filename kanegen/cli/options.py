@@ -76,6 +76,7 @@ Outputs = Annotated[
     ),
 ]
 TARGETS = (
+    "description",
     "reanchoring",
     "certificate",
     "arduino",
