@@ -22,6 +22,9 @@ MUJOCO = "mujoco"
 JAX = "jax"
 """The extra that brings JAX, which can call generated functions."""
 
+TORCH = "torch"
+"""The extra that brings PyTorch, of which generated functions become operators."""
+
 
 def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
     """Import and return a module of an optional package.

@@ -29,6 +29,7 @@ class BroadcastFunction:
     Attributes:
         __name__: Name of the function.
         signature: Signature of a generalized ufunc with sizes, such as "(2),(2),(2)->(2)".
+        shapes: Shapes of the arguments, and those of the results, for one state by name.
 
     Example:
         forward_dynamics = library.ufunc("forward_dynamics")
@@ -46,7 +47,7 @@ class BroadcastFunction:
             run: Function that calls it.
         """
         self.__name__ = name
-        self._inputs, self._outputs = call.shapes
+        self.shapes = self._inputs, self._outputs = call.shapes
         self._dtype, self._parameters, self._run = call.dtype, parameters, run
         sides = [",".join(map(_core, shapes.values())) for shapes in call.shapes]
         self.signature = "->".join(sides)
@@ -82,7 +83,7 @@ class BroadcastFunction:
             raise ArrayError(f"{self.__name__}: leading dimensions do not broadcast: {shown}.") from None
         found = self._run({name: _rows(array, lead, batch) for name, (array, lead) in arrays.items()})
         shaped = [
-            one.reshape(*batch, *shape) for one, shape in zip(found, self._outputs.values(), strict=True)
+            one.reshape((*batch, *shape)) for one, shape in zip(found, self._outputs.values(), strict=True)
         ]
         return shaped[0] if len(shaped) == 1 else tuple(shaped)
 
