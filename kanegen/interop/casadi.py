@@ -7,12 +7,19 @@ library and loaded by `casadi.external`. They can stand in expressions, in probl
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 from kanegen import extras
-from kanegen.artifacts.casadi import ODE, casadi, casadi_functions, file_name, other_numbers, symbol
+from kanegen.artifacts.casadi import (
+    ODE,
+    casadi,
+    casadi_functions,
+    derivatives,
+    file_name,
+    other_numbers,
+    symbol,
+)
 from kanegen.c.source import Source
 from kanegen.choices import require_one
 from kanegen.compiler import generate
@@ -89,23 +96,12 @@ def outputs_needed(system: System, name: str) -> tuple[str, ...]:
     """
     steps = [method.functions[0] for method in {one.name: one for one in INTEGRATORS.values()}.values()]
     require_one("function", name, (*(one for one in OUTPUTS if one not in DERIVATIVES), *steps, ODE))
-    if name == ODE:
-        rates = RATES[:1] if system.speeds_are_rates else RATES
-        return tuple(_with_derivatives(rates))
     if name in INTEGRATORS:
         method = INTEGRATORS[name]
         return (name, method.derivatives) if method.has_derivatives else (name,)
-    return tuple(_with_derivatives((name,)))
-
-
-def _with_derivatives(names: Iterable[str]) -> Iterable[str]:
-    """Yield outputs, each followed by what its Jacobian is made of."""
-    for name in names:
-        yield name
-        if f"{name}_derivatives" in DERIVATIVES:
-            yield f"{name}_derivatives"
-        if name == "inverse_dynamics":
-            yield "mass_matrix"
+    names = (name,) if name != ODE else RATES[:1] if system.speeds_are_rates else RATES
+    matrix = ("mass_matrix",) if name == "inverse_dynamics" else ()
+    return (*names, *(one for each in names for one in derivatives(system, each)), *matrix)
 
 
 def _source(model: System | Source | Library, name: str) -> Source:
@@ -115,7 +111,8 @@ def _source(model: System | Source | Library, name: str) -> Source:
         OptionError: If `model` is none of these.
     """
     if isinstance(model, System):
-        return generate(model, outputs_needed(model, name))
+        outputs = outputs_needed(model, name)
+        return generate(model, outputs, functions=outputs, batches=False)
     if isinstance(model, Library):
         values = tuple(model.parameters.items())
         return replace(model.source, model=replace(model.source.model, parameters=values))

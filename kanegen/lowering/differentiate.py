@@ -3,8 +3,8 @@
 {f} and the generalized forces of inverse dynamics are differentiated instruction by instruction. For the
 solution {ydot} of [A]{ydot} = {f} + {tau} there are two ways.
 
-The derivative by {x}, {y} or a parameter is -[A]^-1 times the derivative of inverse dynamics at constant
-{ydot} (Carpentier and Mansard 2018, section III); by {tau} it is [A]^-1. This is cheap, because one
+The derivative by {x}, {y}, a parameter or a load is -[A]^-1 times the derivative of inverse dynamics at
+constant {ydot} (Carpentier and Mansard 2018, section III); by {tau} it is [A]^-1. This is cheap, because one
 elimination of [A] serves all columns. But where a joint has three angles, [A] is nearly singular next to
 gimbal lock, and where {ydot} is refined, [A] is ill-conditioned; the derivative would lose there what {ydot}
 does not.
@@ -130,7 +130,7 @@ class _Differentiation:
         """Return the derivatives of the elements of {ydot}, by column."""
         needed = self._rows(self._outputs["inverse_dynamics"], self._at_solution())
         elimination = self._elimination()
-        tau = self._columns["tau"]
+        tau = self._columns.get("tau", slice(0, 0))
         solved: list[Column] = []
         for column in range(self._array.row):
             if tau.start <= column < tau.stop:

@@ -9,6 +9,7 @@ import pytest
 
 import kanegen as kg
 from kanegen import extras
+from kanegen.artifacts import with_artifacts
 from kanegen.artifacts.casadi import casadi_functions, symbol, usual_outputs
 from kanegen.errors import MissingError, OptionError
 from kanegen.interop import casadi
@@ -41,7 +42,8 @@ EPSILON = np.finfo(float).eps
 def made(case):
     """Return a system, a library, and its functions of CasADi by name."""
     system = SYSTEMS[case]()
-    library = kg.build(system, (*usual_outputs(system), *FURTHER.get(case, ())), on_status="ignore")
+    outputs = (*usual_outputs(system), *FURTHER.get(case, ()))
+    library = kg.build(system, outputs, functions=outputs, on_status="ignore")
     names = [one.name for one in casadi_functions(library.source) if not one.unread]
     begin = symbol(library.source.model, "")
     functions = {n: casadi.function(library, n.removeprefix(f"{begin}_")) for n in names}
@@ -105,11 +107,40 @@ def test_dynamics_solve_the_equations_of_the_reference(case):
     np.testing.assert_allclose(residual, 0.0, atol=100 * EPSILON * np.abs(right).max())
 
 
-@pytest.mark.parametrize("case", ["loads", "quaternion", "everything"])
+@pytest.mark.parametrize("case", CASES)
+def test_jacobians_are_the_derivatives_of_the_library_bit_for_bit(case):
+    _, library, functions = made(case)
+    values = inputs_of(library)
+    for name in ("inverse_dynamics", "forward_dynamics"):
+        (array,) = functions[name].name_out()
+        found = called(functions[name].jacobian(), values)
+        for output in (f"{name}_derivatives", f"{name}_input_derivatives"):
+            if output in library.outputs:
+                (expected,) = method(library, output, values)
+                for by, columns in library.derivative_columns(output).items():
+                    block = found.pop(f"jac_{array}_{by}")
+                    np.testing.assert_array_equal(block, in_columns(expected[:, columns], values, by), by)
+        assert set(found) <= {f"jac_{array}_ydot"}
+        for block in found.values():
+            np.testing.assert_array_equal(block, library.mass_matrix(**only(values, "x")))
+
+
+def in_columns(derivatives, values, by):
+    """Return derivatives by the elements of an array, row by row, in CasADi's order, column by column."""
+    shape = values[by].shape if by in values else derivatives.shape[1:]
+    order = np.arange(derivatives.shape[1]).reshape(shape or 1)
+    return derivatives[:, order.ravel(order="F")]
+
+
+def only(values, *names):
+    return {name: values[name] for name in (*names, "prescribed") if name in values}
+
+
+@pytest.mark.parametrize("case", ["loads", "quaternion"])
 def test_patterns_are_exactly_the_entries_that_some_state_has(case):
     _, library, functions = made(case)
     states = [inputs_of(library, seed) for seed in range(5)]
-    for function in (functions["mass_matrix"], functions["forcing"]):
+    for function in (functions["mass_matrix"], functions["inverse_dynamics"].jacobian()):
         found = [called(function, values) for values in states]
         for place, name in enumerate(function.name_out()):
             largest = np.max([np.abs(one[name]) for one in found], axis=0)
@@ -119,8 +150,8 @@ def test_patterns_are_exactly_the_entries_that_some_state_has(case):
 
 def test_the_file_gives_no_warnings(tmp_path):
     for case in ("loads", "quaternion", "everything"):
-        system = SYSTEMS[case]()
-        source = kg.generate(system, usual_outputs(system), artifacts="casadi")
+        _, library, _ = made(case)
+        source = with_artifacts(library.source, "casadi")
         source.write(tmp_path / case)
         for compiler in ("gcc", "clang"):
             command = [compiler, *WARNINGS, "-fsyntax-only", f"{source.model.name}_casadi.c"]

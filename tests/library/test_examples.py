@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import textwrap
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,9 +31,10 @@ MOTION = ("forward_dynamics", "kinetic_energy", "potential_energy", "momentum")
 
 @pytest.fixture(scope="module")
 def namespace() -> dict[str, Any]:
-    """A double pendulum whose tip is held, its library with all outputs, and a state, which examples use."""
+    """A held double pendulum whose bodies take loads, its library with all outputs, and a state."""
     system = kg.load(MODELS / "double_pendulum.toml").with_points({"tip": ("lower", (0.7, 0.0, 0.0))})
     system = system.with_contacts(kg.Contact(point="tip", directions=("force1", "force2")))
+    system = replace(system, bodies=tuple(replace(body, loads=True) for body in system.bodies))
     library = kg.build(system, available(system), flags="-O0")
     x, y, ydot = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
     moving = kg.build(system.with_contacts([]), MOTION, flags="-O0")

@@ -5,13 +5,21 @@ them, with the patterns of `pattern`, and `printing` prints these as C in the in
 """
 
 from kanegen.artifacts.casadi.functions import casadi_functions, symbol
-from kanegen.artifacts.casadi.printing import casadi, file_name, other_numbers, refusal, usual_outputs
+from kanegen.artifacts.casadi.printing import (
+    casadi,
+    derivatives,
+    file_name,
+    other_numbers,
+    refusal,
+    usual_outputs,
+)
 from kanegen.artifacts.casadi.sources import ODE
 
 __all__ = [
     "ODE",
     "casadi",
     "casadi_functions",
+    "derivatives",
     "file_name",
     "other_numbers",
     "refusal",

@@ -15,7 +15,7 @@ from kanegen.c.templates import fill
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, PREPARED
 from kanegen.program.precision import DOUBLE
-from kanegen.recursion.outputs import DERIVATIVES, RATES
+from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS, RATES
 
 UNKNOWN = -(2**15)
 """Status of a Jacobian of which a part is wanted that the source does not have."""
@@ -68,17 +68,25 @@ def usual_outputs(system: System) -> tuple[str, ...]:
     rates = () if system.speeds_are_rates else RATES[1:]
     contacts = ("contact_dynamics",) if system.contacts else ()
     names = (*_DYNAMICS, *contacts, *rates)
-    return (*names, *(derivatives for name in names if (derivatives := f"{name}_derivatives") in DERIVATIVES))
+    return (*names, *(one for name in names for one in derivatives(system, name)))
+
+
+def derivatives(system: System, name: str) -> tuple[str, ...]:
+    """Return the outputs of which the Jacobian of an output is made, those that a system has."""
+    found = [f"{name}_derivatives", f"{name}_input_derivatives"]
+    return tuple(one for one in found if one in DERIVATIVES and OUTPUTS[one].is_available(system))
 
 
 def refusal(source: Source) -> str:
     """Return why `source` cannot have this artifact, with how to mend it, "" if it can."""
     if why := other_numbers(source):
         return why
-    there = {function.name for function in source.functions}
-    missing = [f"{name}_derivatives" for name in there if f"{name}_derivatives" in {*DERIVATIVES} - there]
-    if missing:
-        options = " ".join(f"--output {name}" for name in sorted(missing))
+    if source.system is None:
+        return "this source does not carry its system. Generate it anew with kg.generate."
+    there = [function.name for function in source.functions]
+    needed = [one for name in there if name in OUTPUTS for one in derivatives(source.system, name)]
+    if missing := [name for name in needed if name not in there]:
+        options = " ".join(f"--output {name}" for name in missing)
         return f"Jacobians are read from derivatives, which the code lacks. Add {options}, or name none."
     return ""
 

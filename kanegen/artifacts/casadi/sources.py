@@ -106,8 +106,10 @@ def _slopes(source: Source, functions: Mapping[str, Function], name: str) -> Ite
     """Yield the derivatives of an output."""
     function = functions.get(f"{name}_derivatives")
     if function:
-        columns = DERIVATIVES[function.name].columns(*_sizes(source))
-        yield Slopes(function, function.outputs[0], columns)
+        for one in (function, functions.get(f"{name}_input_derivatives")):
+            if one:
+                columns = DERIVATIVES[one.name].columns(*_sizes(source), _further(one))
+                yield Slopes(one, one.outputs[0], columns)
         if name == "inverse_dynamics" and "mass_matrix" in functions:
             matrix = functions["mass_matrix"]
             yield Slopes(matrix, matrix.outputs[0], {"ydot": slice(0, len(source.model.freedom_names))})
@@ -137,6 +139,11 @@ def _ode(source: Source, functions: Mapping[str, Function]) -> Iterator[Derived]
         xdot = Result(Array("xdot", y.shape, y.unit, "{xdot}, which is {y}"), None, copied="y")
     ydot = Result(acceleration.outputs[0], acceleration, tuple(_slopes(source, functions, acceleration.name)))
     yield Derived(ODE, "The rates {xdot} and {ydot} of a state.", (xdot, ydot))
+
+
+def _further(function: Function) -> dict[str, int]:
+    """Return the number of elements of each input of a function, by its name."""
+    return {array.name: array.size for array in function.inputs}
 
 
 def _sizes(source: Source) -> tuple[int, int, int]:

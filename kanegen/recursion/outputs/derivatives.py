@@ -1,10 +1,16 @@
-"""The part of the table of outputs that are derivatives of other outputs, by state, {tau} and parameters."""
+"""The part of the table of outputs that are derivatives of other outputs.
+
+Those by state, {tau} and run-time parameters are `<output>_derivatives`, those by loads, time and prescribed
+motion `<output>_input_derivatives`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from kanegen.recursion.outputs.output import Derivative, Output
+from kanegen.model.system import System
+from kanegen.recursion.outputs.inputs import LOADS, READ_BY_ALL, input_arrays
+from kanegen.recursion.outputs.output import Derivative, Output, Subject
 
 _DIFFERENTIATED = (
     ("forcing", "{f}, Eq. (44),", ("x", "y")),
@@ -24,6 +30,12 @@ _DIFFERENTIATED = (
 )
 """Each output that has derivatives, what it is in a sentence, and the arrays of its variables."""
 
+_INPUTS = (*LOADS, *READ_BY_ALL)
+"""The inputs from outside that only some systems have."""
+
+_OF_INPUTS = ("forcing", "inverse_dynamics", "forward_dynamics")
+"""Outputs that have derivatives by inputs from outside."""
+
 _NEEDS = {"forward_dynamics": ("mass_matrix", "inverse_dynamics", "forward_dynamics")}
 """Outputs whose programs give the derivatives of an output, where these are more than its own."""
 
@@ -34,17 +46,52 @@ def derivatives_of(outputs: Iterable[Output]) -> tuple[Output, ...]:
     The array of one has the axes of the output that is differentiated, and behind them one for the variables.
     """
     entries = {output.name: output for output in outputs}
-    return tuple(_derivative(entries, name, of, by) for name, of, by in _DIFFERENTIATED)
+    by_state = (
+        _derivative(
+            entries, name, f"{name}_derivatives", Derivative(of, _needs(name), by), entries[name].subject
+        )
+        for name, of, by in _DIFFERENTIATED
+    )
+    by_inputs = (
+        _derivative(
+            entries,
+            name,
+            f"{name}_input_derivatives",
+            Derivative(of, _needs(name), _INPUTS, by_parameters=False),
+            EXTERNAL,
+        )
+        for name, of, _ in _DIFFERENTIATED
+        if name in _OF_INPUTS
+    )
+    return (*by_state, *by_inputs)
 
 
-def _derivative(entries: Mapping[str, Output], base: str, of: str, by: tuple[str, ...]) -> Output:
-    """Return the entry of the derivatives of the output `base`."""
-    entry, name = entries[base], f"{base}_derivatives"
-    derivation = Derivative(of, _NEEDS.get(base, (base,)), by)
+def _external(system: System) -> list[str]:
+    """Return the names of the inputs from outside that a system has."""
+    return [array.name for array in input_arrays(system) if array.name in _INPUTS]
+
+
+EXTERNAL = Subject(
+    _external,
+    "has neither loads nor prescribed freedoms and does not depend on the time. Ask for derivatives by its "
+    "state.",
+)
+
+
+def _needs(name: str) -> tuple[str, ...]:
+    """Return the outputs whose programs give the derivatives of an output."""
+    return _NEEDS.get(name, (name,))
+
+
+def _derivative(
+    entries: Mapping[str, Output], base: str, name: str, derivation: Derivative, subject: Subject | None
+) -> Output:
+    """Return the entry `name` of derivatives of the output `base`."""
+    entry = entries[base]
     return Output(
         name,
         lambda system: derivation.array(system, name, entry.array(system)),
         entry.inputs,
         derivation,
-        entry.subject,
+        subject,
     )
