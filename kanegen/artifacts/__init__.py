@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from kanegen.artifacts import fmi
 from kanegen.artifacts.arduino import arduino
 from kanegen.artifacts.arduino import refusal as arduino_refusal
 from kanegen.artifacts.artifact import Artifact, lacking, motion
@@ -69,6 +70,22 @@ ARTIFACTS: dict[str, Artifact] = {
             rust,
             rust_refusal,
             usual_outputs=motion,
+        ),
+        Artifact(
+            "fmi2",
+            "Sources of an FMU for FMI 2.0.",
+            fmi.fmi2,
+            fmi.refusal,
+            outputs=fmi.needed_outputs,
+            usual_outputs=fmi.usual_outputs,
+        ),
+        Artifact(
+            "fmi3",
+            "Sources of an FMU for FMI 3.0.",
+            fmi.fmi3,
+            fmi.refusal,
+            outputs=fmi.needed_outputs,
+            usual_outputs=fmi.usual_outputs,
         ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
         Artifact("wasm", "A package for browsers and Node.js, with types.", wasm, wasm_refusal),

@@ -83,6 +83,8 @@ TARGETS = (
     "arduino",
     "casadi",
     "rust",
+    "fmi2",
+    "fmi3",
     "self-test",
     "wasm",
 )

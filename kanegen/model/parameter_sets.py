@@ -127,6 +127,20 @@ def suspects(system: SystemFields, columns: Columns) -> NDArray[np.intp]:
     return np.flatnonzero(reduce(np.logical_or, bad))
 
 
+def least_values(system: SystemFields) -> dict[str, float]:
+    """Return by name the smallest value, 0, of each parameter that is itself a number not below it.
+
+    These are masses, moments of inertia about axes of a body, and the further numbers of `suspects`. What a
+    parameter may be that stands in an expression depends on others, so it has none here.
+
+    Example:
+        least_values(kg.load("models/double_pendulum.toml"))  # {"m1": 0.0, "m2": 0.0}
+    """
+    moments = (body.inertia[axis][axis] for body in system.bodies for axis in range(3))
+    numbers = (*_not_negative(system), *_positive(system), *moments)
+    return {number.name: 0.0 for number in numbers if isinstance(number, Parameter)}
+
+
 def _parameterised(number: Number) -> bool:
     return bool(parameters_of(number))
 

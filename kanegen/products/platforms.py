@@ -88,7 +88,7 @@ def compiler_for(platform: Platform) -> compilers.Compiler:
     Raises:
         BuildError: If there is none; the message says how to get it.
     """
-    if _is_host(platform):
+    if is_host(platform):
         return compilers.find()
     if not is_installed("ziglang"):
         raise BuildError(
@@ -97,7 +97,7 @@ def compiler_for(platform: Platform) -> compilers.Compiler:
     return compilers.find(shlex.join((sys.executable, "-m", "ziglang", "cc", "-target", platform.target)))
 
 
-def _is_host(platform: Platform) -> bool:
+def is_host(platform: Platform) -> bool:
     """Return whether a platform is that of this machine."""
     try:
         return platform == host()

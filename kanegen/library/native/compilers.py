@@ -156,7 +156,8 @@ def _identity(program: str) -> str:
 def _version_text(command: tuple[str, ...], _programs: str) -> str:
     """Return what a compiler prints about its version; each is asked once a process."""
     try:
-        result = commands.run([*command, "--version"], seconds=_TIME_LIMIT)
+        with temporary_folder(Path(tempfile.gettempdir())) as folder:  # where some leave an empty object file
+            result = commands.run([*command, "--version"], folder, _TIME_LIMIT)
     except commands.TimeLimitError as error:
         raise BuildError(f"{error} Does this compiler wait for something? Name another one.") from None
     return result.stdout + result.stderr
