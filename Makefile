@@ -4,9 +4,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
+EXAMPLES := $(notdir $(basename $(wildcard examples/*.py)))
 NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
 
-.PHONY: demo view test slow embed call-times lint generated bench growth extremes gimbal-lock tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
+.PHONY: demo view test slow embed call-times examples lint generated bench growth extremes gimbal-lock tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
 
 # Simulate an arm that turns about its column, and show its motion in the browser.
 view: $(VENV)/.kanegen
@@ -33,6 +34,10 @@ embed: $(VENV)/.tests
 
 embed-%: $(VENV)/.tests
 	$(BIN)/python -m tests.embedding $*
+
+# Run the examples of control loops and rewrite their pictures in docs/examples.
+examples: $(VENV)/.tests
+	for name in $(EXAMPLES); do SOURCE_DATE_EPOCH=0 $(BIN)/python examples/$$name.py docs/examples/$$name.svg || exit; done
 
 # Time calls through each of these programs beside the C alone, and rewrite docs/embedding/call-times.md.
 call-times: $(VENV)/.tests
