@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import importlib
 import pickle
+import re
 import sys
 import warnings
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -46,6 +49,16 @@ def jax() -> Any:
     jax.config.update("jax_enable_x64", True)
     yield jax
     jax.config.update("jax_enable_x64", before)
+
+
+@contextmanager
+def rounding(jax: Any) -> Iterator[None]:
+    """A context in which JAX rounds numbers to 32 bits, as it does by default."""
+    jax.config.update("jax_enable_x64", False)
+    try:
+        yield
+    finally:
+        jax.config.update("jax_enable_x64", True)
 
 
 def functions(*given: Any, **options: Any) -> Any:
@@ -149,7 +162,7 @@ def test_subnormal_numbers_are_kept(pendulum: Any, jax: Any) -> None:
 def test_single_precision(jax: Any) -> None:
     functions = made("double_pendulum", precision="float")
     x, y, tau = state(functions, count=5)
-    with jax.enable_x64(False):
+    with rounding(jax):
         found = jax.vmap(functions.forward_dynamics)(x, y, tau)
         slope = jax.grad(lambda x: functions.forward_dynamics(x, y, tau).sum())(x)
     assert found.dtype == slope.dtype == np.float32
@@ -532,7 +545,7 @@ def test_wrong_choices(jax: Any) -> None:
 
 
 def test_numbers_of_64_bits_switched_off_later(pendulum: Any, jax: Any) -> None:
-    with jax.enable_x64(False), pytest.raises(OptionError, match="which JAX rounds to 32"):
+    with rounding(jax), pytest.raises(OptionError, match="which JAX rounds to 32"):
         pendulum.forward_dynamics(np.zeros(2), np.zeros(2))
 
 
@@ -619,6 +632,17 @@ def test_slopes_name_outputs_that_there_are(pendulum: Any) -> None:
         for one in slopes(name, pendulum.library.source.model):
             assert one.function in {*OUTPUTS, *INTEGRATORS}
             assert all(part.stop > part.start for part in one.columns.values())
+
+
+def test_the_example(tmp_path: Any) -> None:
+    printed = run(
+        sys.executable, ROOT / "examples" / "learning_parameters.py", folder=tmp_path, PYTHONPATH=str(ROOT)
+    )
+    lines = re.findall(r"= ([\d.]+) kg with a standard error of ([\d.]+) kg; true is ([\d.]+) kg", printed)
+    assert len(lines) == 2
+    for found, error, true in lines:
+        assert abs(float(found) - float(true)) < 4 * float(error) < 0.01
+    assert (tmp_path / "learning_parameters.svg").read_text().count("<path") > 12
 
 
 def test_the_page(jax: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +13,10 @@ from kanegen.interop.jax.facade import functions_of, inputs_of
 from kanegen.interop.jax.handlers import Handlers
 from kanegen.interop.slopes import slopes
 
+POSITIONAL, KEYWORD = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Function:
     """A generated function that takes and returns arrays of JAX.
 
@@ -26,6 +29,18 @@ class Function:
     arguments: Arguments
     shapes: tuple[tuple[int, ...], ...]
     call: Call
+
+    @property
+    def __name__(self) -> str:
+        """Name of the function, by which JAX calls it in what it compiles."""
+        return self.arguments.function
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """Names of the arguments, as `help` shows them."""
+        by_place = [inspect.Parameter(one, POSITIONAL, default=None) for one in self.arguments.positional]
+        by_name = [inspect.Parameter(one, KEYWORD, default=None) for one in self.arguments.named]
+        return inspect.Signature([*by_place, *by_name])
 
     def __repr__(self) -> str:
         named = "".join(f", {name}=" for name in self.arguments.named)
