@@ -21,6 +21,8 @@ from kanegen.artifacts.certificate import certificate
 from kanegen.artifacts.certificate import refusal as certificate_refusal
 from kanegen.artifacts.description import description
 from kanegen.artifacts.example import example
+from kanegen.artifacts.octave import octave
+from kanegen.artifacts.octave import refusal as octave_refusal
 from kanegen.artifacts.package_files import cmake, pkg_config, readme
 from kanegen.artifacts.reanchoring import reanchoring
 from kanegen.artifacts.reanchoring import refusal as reanchoring_refusal
@@ -63,6 +65,13 @@ ARTIFACTS: dict[str, Artifact] = {
             casadi,
             casadi_refusal,
             usual_outputs=usual_outputs,
+        ),
+        Artifact(
+            "octave",
+            "A mex file for MATLAB and Octave, and a package of functions.",
+            octave,
+            octave_refusal,
+            usual_outputs=motion,
         ),
         Artifact(
             "rust",

@@ -7,7 +7,7 @@ from typing import Any
 
 import jinja2
 
-from kanegen.model.quoting import c_name, markdown, markdown_code
+from kanegen.model.quoting import c_name, c_text, markdown, markdown_code
 
 _CHECKOUT = Path(__file__).parents[2] / "templates"
 """The folder of templates in a checkout; an installation has them as the package `kanegen.templates`."""
@@ -27,7 +27,7 @@ _ENVIRONMENT = jinja2.Environment(
     keep_trailing_newline=True,
     autoescape=False,
 )
-_ENVIRONMENT.filters |= {"c_name": c_name, "code": markdown_code, "markdown": markdown}
+_ENVIRONMENT.filters |= {"c_name": c_name, "c_text": c_text, "code": markdown_code, "markdown": markdown}
 
 
 def fill(template: str, **context: Any) -> str:

@@ -82,6 +82,7 @@ TARGETS = (
     "certificate",
     "arduino",
     "casadi",
+    "octave",
     "rust",
     "fmi2",
     "fmi3",

@@ -71,3 +71,25 @@ def python_text(text: str) -> str:
         python_text('a"b')  # 'a\\"b'
     """
     return text.replace("\\", r"\\").replace('"', r"\"")
+
+
+def c_text(text: str) -> str:
+    r"""Return a text as part of a string in C between double quotes, in ASCII; its bytes are those of UTF-8.
+
+    Example:
+        c_text('a"b\u00e9')  # 'a\\"b\\303\\251'
+    """
+    escaped = {"\\": r"\\", '"': r"\"", "?": r"\?"}
+    return "".join(
+        escaped.get(one, one) if " " <= one <= "~" else "".join(f"\\{byte:03o}" for byte in one.encode())
+        for one in shortened(text)
+    )
+
+
+def matlab_text(text: str) -> str:
+    """Return a text as part of a string in MATLAB between single quotes.
+
+    Example:
+        matlab_text("Kane's")  # "Kane''s"
+    """
+    return text.replace("'", "''")

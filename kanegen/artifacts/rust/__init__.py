@@ -23,7 +23,7 @@ from kanegen.artifacts.rust.arguments import (
 from kanegen.artifacts.rust.calls import call_of, values
 from kanegen.artifacts.rust.methods import batch, methods_of, outputs_of, rollout, rollout_batch
 from kanegen.artifacts.rust.names import crate_name, listed, string
-from kanegen.artifacts.rust.tables import columns, requirements, sizes, structs, tables
+from kanegen.artifacts.rust.tables import columns, shown_requirements, sizes, structs, tables
 from kanegen.c.formats import formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
@@ -117,7 +117,7 @@ def _variables(source: Source) -> dict[str, Any]:
         "foreign": list(_foreign(source, types, crate)),
         "structs": members,
         "struct_names": sorted(one.name for one in members),
-        "requirements": list(requirements(source)),
+        "requirements": shown_requirements(source),
         "tables": list(tables(source, types.formats, scalar)),
         "sizes": sizes(model),
         "columns": columns(source),

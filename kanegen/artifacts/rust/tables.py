@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.artifacts.rust.names import WIDTH, doc, string
+from kanegen.artifacts.statuses import requirements
 from kanegen.c.declarations import LIMITS, contacts, reactions
 from kanegen.c.description import ModelDescription
 from kanegen.c.formats import Formats
@@ -55,25 +56,6 @@ class Struct:
     members: tuple[tuple[str, tuple[str, ...]], ...]
     kind: str
     defaults: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Requirement:
-    """What must be positive for the results of a function to exist.
-
-    Attributes:
-        function: Name of the function.
-        first: First row that is meant, as an Option.
-        quantity: Name of the quantity.
-        failure: Clause on the state where it is not positive.
-        loss: Sentence on the state where most digits are lost.
-    """
-
-    function: str
-    first: str
-    quantity: str
-    failure: str
-    loss: str
 
 
 def _number(value: float, precision: Precision, kind: str) -> str:
@@ -206,15 +188,13 @@ def columns(source: Source) -> list[tuple[str, list[tuple[str, int, int]]]]:
     return found
 
 
-def requirements(source: Source) -> Iterator[Requirement]:
-    """Yield what must be positive for each function, rows that come later first."""
-    named = [(one.name, one) for one in source.functions]
-    named += [(one.name, one.step) for one in source.rollouts]
-    for name, function in named:
-        for one in sorted(function.row_conditions, key=lambda one: -one.first):
-            loss = f"{one.loss}; a higher precision helps"
-            yield Requirement(name, f"Some({one.first})", *map(string, (one.quantity, one.failure, loss)))
-        if function.may_fail:
-            remedy = next((condition.remedy for condition in function.conditions), "")
-            texts = map(string, (function.quantity, function.failure, remedy))
-            yield Requirement(name, "None", *texts)
+def shown_requirements(source: Source) -> list[tuple[str, ...]]:
+    """Return the expressions of what must be positive for each function."""
+    return [
+        (
+            string(one.function),
+            "None" if one.first is None else f"Some({one.first})",
+            *map(string, (one.quantity, one.failure, one.loss)),
+        )
+        for one in requirements(source)
+    ]
