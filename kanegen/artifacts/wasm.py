@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from kanegen.artifacts.model_fields import model_fields
 from kanegen.c.description import ModelDescription
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
@@ -50,9 +51,12 @@ def wasm(source: Source) -> dict[str, str]:
         "model": model,
         "arrays": _arrays(source, kinds),
         "methods": [_Method.of(function, kinds) for function in source.functions],
-        "functions": {function.name: json.dumps(_table(function, model)) for function in source.functions},
-        "description": json.dumps(_description(model), indent=2),
-        "rows": json.dumps(model.rows),
+        "conditions": {
+            function.name: json.dumps(_conditions(function, model))
+            for function in source.functions
+            if function.may_fail
+        },
+        "description": _fields(source),
         "shown": json.dumps(_shown(source.functions)),
         "held": _held(source.functions),
         "title": html.escape(model.shown),
@@ -64,6 +68,12 @@ def wasm(source: Source) -> dict[str, str]:
         f"{FOLDER}/{names.get(template, template)}": fill(f"artifacts/wasm/{template}", **variables)
         for template in ("model.js", "model.d.ts", "index.html", "package.json")
     }
+
+
+def _fields(source: Source) -> str:
+    """Return the description of a source in JSON, one field a line."""
+    fields = {name: json.dumps(value, allow_nan=False) for name, value in model_fields(source).items()}
+    return "{\n" + "".join(f'  "{name}": {value},\n' for name, value in fields.items()) + "}"
 
 
 @dataclass(frozen=True)
@@ -144,42 +154,17 @@ def _meaning(array: Array) -> str:
     return c_comment(f"[{lengths}] {array.doc} ({array.unit})")
 
 
-def _table(function: Function, model: ModelDescription) -> dict[str, Any]:
-    """Return what the script reads of a function: arrays, batch form, and conditions of its results.
+def _conditions(function: Function, model: ModelDescription) -> list[dict[str, Any]]:
+    """Return quantity and failure of the conditions of results, by the row of outputs from which they hold.
 
-    A condition holds for the rows of outputs from `first` on; negative rows are freedoms.
+    Negative rows are freedoms.
     """
-    conditions: list[dict[str, Any]] = []
-    if function.may_fail:
-        freedoms = {"first": -len(model.freedom_names) - 1}
-        conditions = [freedoms | {"quantity": function.quantity, "failure": function.failure}]
-    conditions += [
+    freedoms = {"first": -len(model.freedom_names) - 1, "quantity": function.quantity}
+    rows = [
         {"first": one.first, "quantity": one.quantity, "failure": one.failure}
         for one in function.row_conditions
     ]
-    return {
-        "inputs": [array.name for array in function.inputs],
-        "outputs": [array.name for array in function.outputs],
-        "batch": function.has_batch,
-        "conditions": conditions,
-    }
-
-
-def _description(model: ModelDescription) -> dict[str, Any]:
-    """Return names, units and default values of a model as JSON can hold them."""
-    pairs = zip(model.freedom_names, model.freedom_units, model.speeds, strict=True)
-    return {
-        "name": model.shown,
-        "coordinates": [
-            {"name": name, "unit": unit}
-            for name, unit in zip(model.coordinate_names, model.coordinate_units, strict=True)
-        ],
-        "freedoms": [{"name": name, "unit": unit, "speed": speed or None} for name, unit, speed in pairs],
-        "bodies": list(model.body_names),
-        "points": [name for name, _ in model.points],
-        "frames": list(model.poses),
-        "parameters": [{"name": name, "value": value} for name, value in model.parameters],
-    }
+    return [freedoms | {"failure": function.failure}, *rows]
 
 
 def _shown(functions: Sequence[Function]) -> dict[str, list[tuple[str, int]]]:

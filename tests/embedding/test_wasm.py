@@ -149,7 +149,7 @@ const { x_next, y_next } = model.step_rk4([0.1, 0.2], [0, 0], [0, 0], 1e-3);
 const arrays: Arrays = model.arrays;
 const name: string = description.freedoms[0].name;
 arrays.x.set([ydot[0], x_next[0], y_next[0], name.length]);
-model.prepare(description.parameters.map(({ value }) => value));
+model.prepare(description.parameters.map((one) => one.default));
 // @ts-expect-error: there is no such function
 model.inverse_dynamics();
 // @ts-expect-error: there is no such rule
