@@ -1,8 +1,9 @@
-"""CasADi: the outputs of a system as functions of CasADi, with exact Jacobians, compiled.
+"""CasADi: the outputs of a system as functions of CasADi, compiled or as expressions.
 
-The functions are those of the artifact "casadi", compiled together with the generated code into one shared
-library and loaded by `casadi.external`. They can stand in expressions, in problems of `nlpsol` and `Opti`, in
-`integrator`, and in C that CasADi generates.
+`function` compiles the generated code with the artifact "casadi" into a shared library and loads a function
+from it by `casadi.external`; its Jacobian is exact. `expression` writes the same instructions as expressions
+of CasADi, which has all derivatives of them. Either can stand in other expressions, in problems of `nlpsol`
+and `Opti`, in `integrator`, and in C that CasADi generates.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Any
 from kanegen import extras
 from kanegen.artifacts.casadi import (
     ODE,
+    CasadiFunction,
     casadi,
     casadi_functions,
     derivatives,
@@ -24,6 +26,7 @@ from kanegen.c.source import Source
 from kanegen.choices import require_one
 from kanegen.compiler import generate
 from kanegen.errors import OptionError, quoted
+from kanegen.interop.casadi_expressions import expressions
 from kanegen.library.library import Library
 from kanegen.library.native.build import build
 from kanegen.library.native.facade import Facade
@@ -32,12 +35,12 @@ from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, RATES
 
 
 def function(model: System | Source | Library, name: str = "forward_dynamics", **options: Any) -> Any:
-    """Return a function of CasADi that computes an output, a step or the rates of a state.
+    """Return a compiled function of CasADi that computes an output, a step or the rates of a state.
 
     Its Jacobian is exact where there is an output `<name>_derivatives`, and where a method of steps has
     derivatives; CasADi makes forward and reverse derivatives of it. There are no second derivatives: a solver
     that needs the Hessian of the Lagrangian approximates it, as Ipopt does with
-    `hessian_approximation="limited-memory"`.
+    `hessian_approximation="limited-memory"`; or take `expression`.
 
     Arguments have the names of the arrays in C, such as `x`, `y`, `tau`. CasADi takes all of them in order,
     or some by name: loads and generalized forces that are left out are then 0, and run-time parameters have
@@ -52,7 +55,7 @@ def function(model: System | Source | Library, name: str = "forward_dynamics", *
         options: Options of `casadi.external`.
 
     Returns:
-        A `casadi.Function`. It is bound to a file in the cache of kanegen; make it anew in another process.
+        A `casadi.Function`. It is bound to a file in the cache of kanegen; make it anew on another machine.
 
     Raises:
         OptionError: If there is no such function, the source does not have it, or its arrays are not of
@@ -66,18 +69,69 @@ def function(model: System | Source | Library, name: str = "forward_dynamics", *
         ydot = dynamics(x=x, y=y, tau=tau)["acceleration"]
     """
     package = extras.module("casadi", extra=extras.CASADI)
-    source = _source(model, name)
+    source = _source(model, name, with_derivatives=True)
     if reason := other_numbers(source):
         raise OptionError(f"casadi: {reason}")
-    there = [one.name for one in casadi_functions(source)]
-    wanted = symbol(source.model, name)
-    if wanted not in there:
-        raise OptionError(
-            f"casadi: the source of system {quoted(source.model.shown)} has no function {quoted(name)}. "
-            f"Generate it with outputs={outputs_needed(source.system, name) if source.system else (name,)}."
-        )
+    wanted = _wanted(source, name).name
     facade = Facade(f"{source.model.name}_casadi", {file_name(source): casadi(source)[file_name(source)]})
     return package.external(wanted, str(build(source, facade=facade)), options)
+
+
+def expression(model: System | Source | Library, name: str = "forward_dynamics", **options: Any) -> Any:
+    """Return a function of CasADi that computes an output or the rates of a state, as expressions of SX.
+
+    It has the inputs and outputs of `function`, the same instructions, and derivatives of every order, which
+    CasADi makes; nothing is compiled, and CasADi generates C of it that needs no other. It takes more time
+    where CasADi evaluates it. The result is NaN where [A] is singular, and where run-time parameters are left
+    out, which have no default values here; there is no status for lost digits.
+
+    Args:
+        model: A system, generated code or a library, as for `function`.
+        name: Name of an output, or "ode": {xdot} and {ydot} of a state.
+        options: Options of `casadi.Function`.
+
+    Returns:
+        A `casadi.Function` with the name of the output.
+
+    Raises:
+        OptionError: If there is no such function, the source does not have it, or it makes steps.
+        MissingError: If CasADi is not installed.
+        SingularError: If [A] is singular in every state and the function solves with it.
+
+    Example:
+        energy = kanegen.interop.casadi.expression(kg.load("models/panda_arm.toml"), "kinetic_energy")
+        matrix, gradient = casadi.hessian(energy(x, y), y)
+    """
+    package = extras.module("casadi", extra=extras.CASADI)
+    if name in INTEGRATORS:
+        raise OptionError(
+            f"casadi: {name} makes steps, which are C and no expression. Take function, or steps of ode."
+        )
+    source = _source(model, name, with_derivatives=False)
+    wanted = _wanted(source, name)
+    if source.module is None:
+        raise OptionError(
+            "casadi: this source does not carry its programs. Generate it anew with kg.generate."
+        )
+    inputs, outputs = expressions(package, source.module, wanted)
+    names = [one.name for one in wanted.inputs], [one.name for one in wanted.outputs]
+    return package.Function(name, inputs, outputs, *names, options)
+
+
+def _wanted(source: Source, name: str) -> CasadiFunction:
+    """Return a function that a source gives.
+
+    Raises:
+        OptionError: If the source does not have it.
+    """
+    wanted = symbol(source.model, name)
+    for one in casadi_functions(source):
+        if one.name == wanted:
+            return one
+    raise OptionError(
+        f"casadi: the source of system {quoted(source.model.shown)} has no function {quoted(name)}. "
+        f"Generate it with outputs={outputs_needed(source.system, name) if source.system else (name,)}."
+    )
 
 
 def outputs_needed(system: System, name: str) -> tuple[str, ...]:
@@ -104,14 +158,21 @@ def outputs_needed(system: System, name: str) -> tuple[str, ...]:
     return (*names, *(one for each in names for one in derivatives(system, each)), *matrix)
 
 
-def _source(model: System | Source | Library, name: str) -> Source:
+def _source(model: System | Source | Library, name: str, *, with_derivatives: bool) -> Source:
     """Return the source of a function; the values of the parameters of a library become the default ones.
+
+    Args:
+        model: What a caller passes.
+        name: Name of the function.
+        with_derivatives: Whether code that is generated has what the Jacobian is made of.
 
     Raises:
         OptionError: If `model` is none of these.
     """
     if isinstance(model, System):
         outputs = outputs_needed(model, name)
+        if not with_derivatives:
+            outputs = tuple(one for one in outputs if one not in DERIVATIVES)
         return generate(model, outputs, functions=outputs, batches=False)
     if isinstance(model, Library):
         values = tuple(model.parameters.items())

@@ -1,6 +1,6 @@
 """The artifact "casadi" in CasADi itself: values, sparsities, Jacobians, statuses, and what it refuses."""
 
-import functools
+import pickle
 import subprocess
 
 import casadi as ca
@@ -10,44 +10,15 @@ import pytest
 import kanegen as kg
 from kanegen import extras
 from kanegen.artifacts import with_artifacts
-from kanegen.artifacts.casadi import casadi_functions, symbol, usual_outputs
 from kanegen.errors import MissingError, OptionError
 from kanegen.interop import casadi
 from kanegen.reference import equations as reference
+from tests.support.casadi_functions import CASES, SYSTEMS, made
 from tests.support.paths import MODELS
-from tests.support.random_trees import everything
 
 WARNINGS = "-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
 
-SYSTEMS = {
-    "parameters": lambda: kg.load(MODELS / "double_pendulum.toml"),
-    "loads": lambda: kg.load(MODELS / "cart_pole.toml"),
-    "quaternion": lambda: kg.load(MODELS / "satellite.toml"),
-    "everything": lambda: everything(2, 1),
-    "panda": lambda: kg.load(MODELS / "panda_arm.toml"),
-}
-
-FURTHER = {
-    "loads": ("step_rk4", "step_rk4_derivatives"),
-    "quaternion": ("body_poses", "frame_jacobians", "point_positions", "point_positions_derivatives"),
-}
-"""Outputs beside those of dynamics."""
-
-CASES = [*list(SYSTEMS)[:-1], pytest.param("panda", marks=pytest.mark.slow)]
-
 EPSILON = np.finfo(float).eps
-
-
-@functools.cache
-def made(case):
-    """Return a system, a library, and its functions of CasADi by name."""
-    system = SYSTEMS[case]()
-    outputs = (*usual_outputs(system), *FURTHER.get(case, ()))
-    library = kg.build(system, outputs, functions=outputs, on_status="ignore")
-    names = [one.name for one in casadi_functions(library.source) if not one.unread]
-    begin = symbol(library.source.model, "")
-    functions = {n: casadi.function(library, n.removeprefix(f"{begin}_")) for n in names}
-    return system, library, {n.removeprefix(f"{begin}_"): one for n, one in functions.items()}
 
 
 def inputs_of(library, seed=0):
@@ -166,21 +137,24 @@ def test_parameters_that_are_left_out_have_the_values_of_the_library():
     expected = heavy.mass_matrix(x)
     np.testing.assert_array_equal(function(x=x)["A"].full(), expected)
     np.testing.assert_array_equal(function(x, list(heavy.parameters.values())).full(), expected)
-    assert not np.array_equal(function(x, [1, 0.5, 1, 0.7, 9.81]).full(), expected)
+    light = kg.build(system)
+    np.testing.assert_array_equal(function(x, list(light.parameters.values())).full(), light.mass_matrix(x))
+    assert not np.array_equal(light.mass_matrix(x), expected)
 
 
 def test_a_parameter_that_is_no_number_is_not_replaced():
-    _, _, functions = made("parameters")
+    _, library, functions = made("parameters")
+    values = [float("nan") if name == "m1" else 1.0 for name in library.parameter_names]
     with pytest.raises(RuntimeError):
-        functions["mass_matrix"]([0.1, 0.2], [1.0, float("nan"), 1.0, 0.7, 9.81])
+        functions["mass_matrix"](x=[0.1, 0.2], parameters=values)
 
 
 def test_a_status_makes_the_evaluation_fail():
     _, _, functions = made("parameters")
     with pytest.raises(RuntimeError):
-        functions["forward_dynamics"](x=[0.0, 0.0], y=[0.0, 0.0], parameters=[0.0, 0.0, 0.0, 0.0, 9.81])
+        functions["forward_dynamics"](x=[0.0, 0.0], y=[0.0, 0.0], parameters=[0.0] * 5)
     with pytest.raises(RuntimeError):
-        functions["ode"].jacobian()(x=[float("inf"), 0.0], parameters=[1, 0.5, 1, 0.7, 9.81])
+        functions["ode"].jacobian()(x=[float("inf"), 0.0])
 
 
 def test_functions_that_there_are_not():
@@ -215,3 +189,149 @@ def test_without_casadi(monkeypatch):
 def test_two_underscores_of_a_name_become_one():
     library = kg.build(kg.load(MODELS / "planar_pendulum.toml").with_name("arm__2_"))
     assert casadi.function(library, "mass_matrix").name() == "arm_2_casadi_mass_matrix"
+
+
+def textbook(names):
+    """Return {ydot} of the double pendulum, written by hand, as a function of CasADi.
+
+    Args:
+        names: Names of the parameters in their order.
+    """
+    x, y, tau, parameters = (ca.SX.sym(name, size) for name, size in SIZES.items())
+    by_name = dict(zip(names, ca.vertsplit(parameters), strict=True))
+    m1, m2, l1, l2, g = (by_name[name] for name in ("m1", "m2", "l1", "l2", "g"))
+    q1, q2 = ca.vertsplit(x)
+    w1, w2 = ca.vertsplit(y)
+    both = m2 * l2**2 + m2 * l1 * l2 * ca.cos(q2)
+    first = (m1 + m2) * l1**2 + both + m2 * l1 * l2 * ca.cos(q2)
+    A = ca.blockcat([[first, both], [both, m2 * l2**2]])
+    h, weight = m2 * l1 * l2 * ca.sin(q2), m2 * g * l2 * ca.sin(q1 + q2)
+    f = ca.vertcat(h * (2 * w1 * w2 + w2**2) - (m1 + m2) * g * l1 * ca.sin(q1) - weight, -h * w1**2 - weight)
+    return ca.Function(
+        "textbook", [x, y, tau, parameters], [ca.solve(A, f + tau)], [*SIZES], ["acceleration"]
+    )
+
+
+SIZES = {"x": 2, "y": 2, "tau": 2, "parameters": 5}
+"""Inputs of the double pendulum and their numbers of elements."""
+
+
+def test_derivatives_are_those_of_the_equations_of_the_textbook():
+    """Jacobians and forward and reverse derivatives of the C; Hessians of the expression."""
+    _, library, functions = made("parameters")
+    by_hand, compiled = textbook(library.parameter_names), functions["forward_dynamics"]
+    given = {name: np.linspace(0.5, 1.5, size) for name, size in SIZES.items()}
+    for one, other in ((compiled.jacobian(), by_hand.jacobian()), (compiled, by_hand)):
+        for name, expected in other(**given).items():
+            np.testing.assert_allclose(one(**given)[name].full(), expected.full(), rtol=1e-12, atol=1e-12)
+    symbols = {name: ca.MX.sym(name, size) for name, size in SIZES.items()}
+    every, weight = ca.vertcat(*symbols.values()), ca.DM([3.0, -2.0])
+    seed = ca.DM(np.linspace(1.0, 2.0, every.numel()))
+    expression = casadi.expression(library, "forward_dynamics")
+    for made_of, derivative in (
+        (compiled, lambda ydot: ca.jtimes(ydot, every, seed)),
+        (compiled, lambda ydot: ca.jtimes(ydot, every, weight, True)),
+        (expression, lambda ydot: ca.hessian(ca.dot(weight, ydot), every)[0]),
+    ):
+        one, other = (
+            ca.Function("derivative", [*symbols.values()], [derivative(of(**symbols)["acceleration"])])
+            for of in (made_of, by_hand)
+        )
+        found, expected = (each(*given.values()).full() for each in (one, other))
+        np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-10)
+
+
+def test_a_swing_up_converges_with_exact_derivatives_and_keeps_the_equations():
+    """Multiple shooting with Ipopt; each step is that of the method of Runge and Kutta with the reference."""
+    system, _, functions = made("loads")
+    N, length = 40, 0.05
+    states, forces = ca.MX.sym("states", 4, N + 1), ca.MX.sym("forces", 1, N)
+    state, force = ca.MX.sym("state", 4), ca.MX.sym("force")
+    tau = [force if name == "cart_position" else 0 for name in system.freedom_names]
+    after = functions["step_rk4"](x=state[:2], y=state[2:], tau=ca.vertcat(*tau), step=length)
+    step = ca.Function("step", [state, force], [ca.vertcat(after["x_next"], after["y_next"])])
+    start = np.array([np.pi if name == "pole" else 0.0 for name in (*system.freedom_names, "", "")])
+    defects = states[:, 1:] - step.map(N)(states[:, :-1], forces)
+    problem = {
+        "x": ca.veccat(states, forces),
+        "f": ca.sumsqr(forces),
+        "g": ca.veccat(defects, states[:, 0] - start, states[:, N]),
+    }
+    quiet = {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": 200}
+    solver = ca.nlpsol("solver", "ipopt", problem, {"print_time": False, "ipopt": quiet})
+    guess = np.concatenate([np.linspace(start, 0.0 * start, N + 1).ravel(), np.zeros(N)])
+    found = solver(x0=guess, lbg=0.0, ubg=0.0)["x"].full().ravel()
+    assert solver.stats()["success"]
+    assert solver.stats()["iter_count"] < 100
+    path, forces = found[: 4 * (N + 1)].reshape(N + 1, 4), found[4 * (N + 1) :]
+    assert np.abs(forces).max() > 1.0
+    for before, after, force in zip(path, path[1:], forces, strict=False):
+        np.testing.assert_allclose(by_reference(system, before, force, length), after, atol=1e-6)
+    np.testing.assert_allclose(path[-1], 0.0, atol=1e-6)
+
+
+def by_reference(system, state, force, length):
+    """Return the state after a step by the classical method of Runge and Kutta, with [A] and {f} in NumPy."""
+    tau = np.array([force if name == "cart_position" else 0.0 for name in system.freedom_names])
+
+    def rates(state):
+        A, f = reference.mass_matrix(system, state[:2]), reference.forcing(system, state[:2], state[2:])
+        return np.concatenate([state[2:], np.linalg.solve(A, f + tau)])
+
+    k1 = rates(state)
+    k2 = rates(state + length / 2 * k1)
+    k3 = rates(state + length / 2 * k2)
+    k4 = rates(state + length * k3)
+    return state + length / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def test_c_that_casadi_generates_calls_the_functions(tmp_path, monkeypatch):
+    """As for acados: explicit dynamics, their Jacobian and an adjoint, with `int` as CasADi's integers."""
+    system = SYSTEMS["parameters"]()
+    source = kg.generate(system, casadi.outputs_needed(system, "ode"), artifacts="casadi", batches=False)
+    source.write(tmp_path / "model")
+    x, y, tau, weight = (ca.MX.sym(name, size) for name, size in {"x": 2, "y": 2, "tau": 2, "w": 4}.items())
+    rates = casadi.function(source, "ode")(x=x, y=y, tau=tau)
+    rate, state = ca.vertcat(rates["xdot"], rates["acceleration"]), ca.vertcat(x, y)
+    results = [
+        rate,
+        ca.densify(ca.jacobian(rate, ca.vertcat(state, tau))),
+        ca.jtimes(rate, state, weight, True),
+    ]
+    function = ca.Function("explicit_ode", [x, y, tau, weight], results)
+    monkeypatch.chdir(tmp_path / "model")
+    function.generate("explicit_ode.c", {"main": True, "casadi_int": "int"})
+    files = ["explicit_ode.c", "double_pendulum_casadi.c", "double_pendulum.c"]
+    flags = ["-std=c99", "-O1", "-ffp-contract=off", "-Dcasadi_int=int"]
+    subprocess.run(["gcc", *flags, *files, "-lm", "-o", "program"], check=True)
+    given = np.linspace(0.1, 1.0, 10)
+    words = "\n".join(map(str, given))
+    printed = subprocess.run(
+        ["./program", "explicit_ode"], input=words, capture_output=True, text=True, check=True
+    )
+    expected = function(*np.split(given, [2, 4, 6]))
+    right = np.concatenate([one.full().ravel(order="F") for one in expected])
+    np.testing.assert_array_equal(np.array(printed.stdout.split(), float), right)
+
+
+def test_integrators_follow_a_motion():
+    """CVODES with the Jacobian of the compiled function, against many short steps of the library."""
+    _, library, functions = made("loads")
+    x, y = ca.MX.sym("x", 2), ca.MX.sym("y", 2)
+    rates = functions["ode"](x=x, y=y)
+    motion = {"x": ca.vertcat(x, y), "ode": ca.vertcat(rates["xdot"], rates["acceleration"])}
+    tolerances = {"abstol": 1e-10, "reltol": 1e-10}
+    integrator = ca.integrator("motion", "cvodes", motion, 0.0, 1.0, tolerances)
+    start = np.array([0.5, 0.1, -0.2, 0.3])
+    x, y = start[:2], start[2:]
+    for _ in range(1000):
+        x, y = library.step(x, y, step=1e-3, method="rk4")
+    np.testing.assert_allclose(integrator(x0=start)["xf"].full().ravel(), [*x, *y], atol=1e-7)
+
+
+def test_functions_are_pickled_with_the_path_of_their_library():
+    _, _, functions = made("parameters")
+    again = pickle.loads(pickle.dumps(functions["mass_matrix"]))
+    np.testing.assert_array_equal(
+        again(x=[0.1, 0.2])["A"].full(), functions["mass_matrix"](x=[0.1, 0.2])["A"].full()
+    )

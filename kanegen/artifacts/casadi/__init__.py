@@ -4,7 +4,7 @@
 them, with the patterns of `pattern`, and `printing` prints these as C in the interface of `casadi.external`.
 """
 
-from kanegen.artifacts.casadi.functions import casadi_functions, symbol
+from kanegen.artifacts.casadi.functions import CasadiFunction, Matrix, casadi_functions, symbol
 from kanegen.artifacts.casadi.printing import (
     casadi,
     derivatives,
@@ -17,6 +17,8 @@ from kanegen.artifacts.casadi.sources import ODE
 
 __all__ = [
     "ODE",
+    "CasadiFunction",
+    "Matrix",
     "casadi",
     "casadi_functions",
     "derivatives",
