@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from kanegen.c.description import ModelDescription
+from kanegen.c import Source
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS
 from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, available, differentiates
@@ -40,25 +40,26 @@ class Slopes:
     has_results: bool = False
 
 
-def slopes(name: str, model: ModelDescription) -> tuple[Slopes, ...]:
+def slopes(name: str, source: Source) -> tuple[Slopes, ...]:
     """Return what there is of derivatives of a function, whether it was generated or not.
 
     Args:
         name: Name of an output, or of a function that makes one step.
-        model: Names and sizes of the system.
+        source: Generated C of the system.
 
     Example:
-        slopes("inverse_dynamics", library.source.model)   # of inverse_dynamics_derivatives and mass_matrix
+        slopes("inverse_dynamics", library.source)   # of inverse_dynamics_derivatives and mass_matrix
     """
+    model = source.model
     sizes = len(model.coordinate_names), len(model.freedom_names), len(model.parameters)
     if name in INTEGRATORS:
         method = INTEGRATORS[name]
         if differentiates(name) or not method.has_derivatives:
             return ()
         return (Slopes(method.derivatives, _columns_of_step(*sizes), 2, has_results=True),)
-    found = []
-    if (derivatives := f"{name}_derivatives") in DERIVATIVES:
-        found.append(Slopes(derivatives, DERIVATIVES[derivatives].columns(*sizes)))
+    read = {array.name: array.size for function in source.functions for array in function.inputs}
+    columns = {one: DERIVATIVES[one].columns(*sizes, read) for one in _derivatives(name)}
+    found = [Slopes(one, own) for one, own in columns.items() if own]
     if name in _FACTORS:
         by, matrix = _FACTORS[name]
         found.append(Slopes(matrix, {by: slice(0, sizes[1])}))
@@ -75,17 +76,20 @@ def with_derivatives(system: System, outputs: Iterable[str]) -> tuple[str, ...]:
     Example:
         with_derivatives(system, ["step_rk4"])   # ("step_rk4", "step_rk4_derivatives")
     """
-    model_has = {*available(system), *INTEGRATORS}
+    has = available(system)
     found = dict.fromkeys(outputs)
     for name in tuple(found):
-        if name in OUTPUTS and name in _FACTORS:
-            found[_FACTORS[name][1]] = None
-        if name in INTEGRATORS and not (name.startswith(STEP) and INTEGRATORS[name].has_derivatives):
-            continue
-        derivatives = INTEGRATORS[name].derivatives if name in INTEGRATORS else f"{name}_derivatives"
-        if derivatives in model_has:
-            found[derivatives] = None
+        if name in OUTPUTS:
+            matrix = _FACTORS[name][1:] if name in _FACTORS else ()
+            found.update(dict.fromkeys(one for one in (*_derivatives(name), *matrix) if one in has))
+        elif name in INTEGRATORS and name.startswith(STEP) and INTEGRATORS[name].has_derivatives:
+            found[INTEGRATORS[name].derivatives] = None
     return tuple(found)
+
+
+def _derivatives(name: str) -> tuple[str, ...]:
+    """Return the outputs that are derivatives of an output, by the state and by inputs from outside."""
+    return tuple(one for one in (f"{name}_derivatives", f"{name}_input_derivatives") if one in DERIVATIVES)
 
 
 def _columns_of_step(coordinates: int, n: int, parameters: int) -> dict[str, slice]:

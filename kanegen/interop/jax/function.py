@@ -90,6 +90,6 @@ def functions_by_name(handlers: Handlers) -> dict[str, Function]:
             numbers.storage.dtype,
             str(library.on_status),
         )
-    calls = differentiable_calls(signatures, {name: slopes(name, source.model) for name in signatures})
+    calls = differentiable_calls(signatures, {name: slopes(name, source) for name in signatures})
     shapes = {one.name: tuple(array.shape for array in one.outputs) for one in found}
     return {name: Function(arguments[name], shapes[name], call) for name, call in calls.items()}

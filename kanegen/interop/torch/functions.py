@@ -221,7 +221,7 @@ class Functions:
         there = [name for name in library.outputs if name in library.c_functions]
         names = [name for name in there if name in OUTPUTS or name in INTEGRATORS]
         signatures = {name: _signature(library, name) for name in names if not name.startswith(ROLLOUT)}
-        of = {name: slopes(name, library.source.model) for name in signatures}
+        of = {name: slopes(name, library.source) for name in signatures}
         found = operators(library, signatures, of)
         self._functions = {name: Function(signatures[name], one, library) for name, one in found.items()}
 
