@@ -96,11 +96,12 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     they may be inaccurate.
     """
     system, variant = request.system, request.variant
-    ways = methods(system, prerequisites(request.outputs), variant.solver)
+    ways = methods(system, prerequisites(request.outputs, system), variant.solver)
     solved = accurately_solved(ways[0])
     if not solved:
         return tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in ways)
-    losses = {way[solved[0]]: largest_losses(system, way[solved[0]]) for way in ways}
+    solvers = dict.fromkeys(way[solved[0]] for way in ways)
+    losses = {solver: largest_losses(system, solver) for solver in solvers}
     first, *_ = losses.values()
     is_well = is_well_conditioned(system, first)
     refinable = refined_solutions(solved)

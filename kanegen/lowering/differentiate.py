@@ -1,7 +1,9 @@
 """Programs of the outputs that are derivatives, made by differentiating the lowered program of other outputs.
 
-{f} and the generalized forces of inverse dynamics are differentiated instruction by instruction. For the
-solution {ydot} of [A]{ydot} = {f} + {tau} there are two ways.
+Where speeds are rates of coordinates, a recursion of its own gives the derivatives of {f} and of the
+generalized forces of inverse dynamics by {x} and {y} (`recursion.inverse_dynamics_derivatives`). What it
+leaves out, and derivatives by parameters, are differentiated instruction by instruction, and so are {f} and
+inverse dynamics of other systems. For the solution {ydot} of [A]{ydot} = {f} + {tau} there are two ways.
 
 The derivative by {x}, {y}, a parameter or a load is -[A]^-1 times the derivative of inverse dynamics at
 constant {ydot} (Carpentier and Mansard 2018, section III); by {tau} it is [A]^-1. This is cheap, because one
@@ -16,7 +18,7 @@ freely and rotate, because the solver never couples them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from kanegen.model.system import System
@@ -105,25 +107,48 @@ class _Differentiation:
             through_solver: Whether a derivative of {ydot} is that of its solver, instruction by instruction.
         """
         base = self._outputs[self._derivative.needs[-1]]
-        if "forward_dynamics" in self._derivative.needs and not through_solver:
-            rows = self._rows_of_solution()
-        else:
+        if "forward_dynamics" not in self._derivative.needs:
             rows = self._rows(base, self._moved)
+        elif through_solver:
+            rows = self._tangents(base, self._moved, self._columns)
+        else:
+            rows = self._rows_of_solution()
         width = self._array.row
         values = tuple(row.get(column, self._zero) for row in rows for column in range(width))
         return replace(base.renumbered(self._moved), array=self._array, values=values)
 
     def _rows(self, output: Output, moved: Mapping[int, int]) -> list[Tangent]:
-        """Return the derivatives of the elements of an output, by column."""
-        found = tangents(
-            self._builder, self._program, moved, dict(self._directions()), output.values, self._constants
-        )
+        """Return the derivatives of the elements of an output, by column, from parts where there are some."""
+        if not self._outputs.keys() >= set(self._derivative.parts) or not self._derivative.parts:
+            return self._tangents(output, moved, self._columns)
+        by_state, of_elements = (self._outputs[part] for part in self._derivative.parts)
+        further = self._tangents(of_elements, moved, self._columns.keys() & {"x", "y"})
+        others = self._tangents(output, moved, self._columns.keys() - {"x", "y"})
+        rows = []
+        for place, (more, other) in enumerate(zip(further, others, strict=True)):
+            row = dict(self._known(by_state, place, moved))
+            for column, slope in more.items():
+                row[column] = self._builder.add(row[column], slope) if column in row else slope
+            rows.append(row | other)
+        return rows
+
+    def _known(self, by_state: Output, row: int, moved: Mapping[int, int]) -> Iterator[tuple[int, int]]:
+        """Yield column and value of each derivative that a part holds in one of its rows."""
+        width = by_state.array.row
+        for column, value in enumerate(by_state.values[width * row : width * (row + 1)]):
+            if not self._is_zero(value):
+                yield column, moved[value]
+
+    def _tangents(self, output: Output, moved: Mapping[int, int], by: Collection[str]) -> list[Tangent]:
+        """Return the derivatives of the elements of an output with respect to some arrays, by column."""
+        directions = dict(self._directions(by))
+        found = tangents(self._builder, self._program, moved, directions, output.values, self._constants)
         return [found[value] for value in output.values]
 
-    def _directions(self) -> Iterator[tuple[int, int]]:
-        """Yield the input values that are differentiation variables, each with its column."""
+    def _directions(self, by: Collection[str]) -> Iterator[tuple[int, int]]:
+        """Yield the input values of the arrays `by`, each with its column."""
         for i, instruction in enumerate(self._program.instructions):
-            if instruction.op is Op.INPUT and instruction.array in self._columns:
+            if instruction.op is Op.INPUT and instruction.array in by:
                 yield i, self._columns[instruction.array].start + instruction.index
 
     def _rows_of_solution(self) -> list[Tangent]:

@@ -53,6 +53,21 @@ NOT_CARRIED = Carried()
 
 
 @dataclass(frozen=True)
+class FrameAcceleration:
+    """The motion of a frame on the path through the joint of body K, with the origin of K as its origin.
+
+    Attributes:
+        omega: Angular velocity (rad/s).
+        alpha: Angular acceleration (rad/s^2).
+        acceleration: Acceleration of the origin, less gravity (m/s^2).
+    """
+
+    omega: Vector
+    alpha: Vector
+    acceleration: Vector
+
+
+@dataclass(frozen=True)
 class BodyMotion:
     """Motion of a body, in its frame.
 
@@ -63,6 +78,7 @@ class BodyMotion:
         squares: Products omega_i omega_j by pair of axes.
         field: [alpha~] + [omega~][omega~], the matrix that maps a body-fixed vector to its second derivative.
         carried: Accelerations that are left out.
+        path: Motion of the frame below each turn of the joint, then of the body.
     """
 
     omega: Vector
@@ -71,6 +87,7 @@ class BodyMotion:
     squares: dict[tuple[int, int], Expr]
     field: Rows
     carried: Carried = NOT_CARRIED
+    path: tuple[FrameAcceleration, ...] = ()
 
 
 def body_motions(
@@ -110,6 +127,7 @@ def _outward(
         for step in joint.constant:
             acceleration = definitions.vector(f"a_{joint.above(step)}", step.turn.up(acceleration))
         carried, acceleration = Carried(acceleration=acceleration), ZERO
+    path = [FrameAcceleration(omega, alpha, acceleration)]
     for step in joint.steps:
         above = joint.above(step)
         turned = step.turn.up(omega)
@@ -120,17 +138,19 @@ def _outward(
         alpha = definitions.vector(f"alpha_{above}", alpha)
         omega = definitions.vector(f"omega_{above}", add(turned, rate))
         acceleration = definitions.vector(f"a_{above}", step.turn.up(acceleration))
+        path.append(FrameAcceleration(omega, alpha, acceleration))
     if joint.angular_speeds:
         alpha = add(alpha, cross(omega, joint.relative_omega))
         if accelerated:
             alpha = add(alpha, joint.relative_alpha)
         alpha = definitions.vector(f"alpha_{k}", alpha)
         omega = definitions.vector(f"omega_{k}", add(omega, joint.relative_omega))
+        path[-1] = FrameAcceleration(omega, alpha, acceleration)
     if joint.rotations and all(freedom in released for freedom in joint.rotations):
         carried, alpha = replace(carried, alpha=alpha), ZERO
     squares, field = products_and_field(f"{k}", omega, alpha, definitions)
     carried = replace(carried, to_center=multiply(field, joint.to_center))
-    return BodyMotion(omega, alpha, acceleration, squares, field, carried)
+    return BodyMotion(omega, alpha, acceleration, squares, field, carried, tuple(path))
 
 
 def _origin_acceleration(

@@ -7,7 +7,7 @@ about the current origin. See `coriolis` for what it is for.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sympy import Expr
 
@@ -59,11 +59,15 @@ class Column:
         coriolis: Force and moment for unit rate, with the [dv_P,y/dt] of the freedom: the column of [C].
         couple: The sum of {v_P} x m [v_P,y], which the row of [C] needs beside `inertial`; {v_P} is the
             velocity of a particle past the origin of the first body, and the couple is about no origin.
+        slope: Derivative by the coordinate of the force and the moment that the motion requires of the
+            composite body, as bodies further inward see them; or None where nobody needs it. See
+            `inverse_dynamics_derivatives`.
     """
 
     inertial: RotationColumn
     coriolis: Wrench
     couple: Vector
+    slope: Wrench | None = None
 
     @property
     def places(self) -> Mapping[int, Expr]:
@@ -88,9 +92,15 @@ class Column:
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Column:
         """Return the column in components of the frame below a turn."""
-        wrench = Wrench(turn.down(self.coriolis.force), turn.down(self.coriolis.moment))
-        inertial, couple = self.inertial.down(turn, frame, definitions), turn.down(self.couple)
-        return _named(inertial, wrench, couple, f"{inertial.label}_{frame}", definitions)
+        inertial = self.inertial.down(turn, frame, definitions)
+        passed = replace(
+            self,
+            inertial=inertial,
+            coriolis=_down(turn, self.coriolis),
+            couple=turn.down(self.couple),
+            slope=self.slope and _down(turn, self.slope),
+        )
+        return _named(passed, f"{inertial.label}_{frame}", definitions)
 
     def shifted(
         self, offset: Vector, origin: str, shift: ShiftedColumns | None, definitions: Definitions
@@ -106,9 +116,23 @@ class Column:
         """
         inertial = self.inertial
         inertial = shift.shift(inertial) if shift else inertial.shifted(offset, origin, definitions)
-        moment = add(self.coriolis.moment, cross(offset, self.coriolis.force))
-        wrench = Wrench(self.coriolis.force, moment)
-        return _named(inertial, wrench, self.couple, f"{inertial.label}_{origin}", definitions)
+        passed = replace(
+            self,
+            inertial=inertial,
+            coriolis=_about(self.coriolis, offset),
+            slope=self.slope and _about(self.slope, offset),
+        )
+        return _named(passed, f"{inertial.label}_{origin}", definitions)
+
+
+def _down(turn: Turn, wrench: Wrench) -> Wrench:
+    """Return a wrench in components of the frame below a turn."""
+    return Wrench(turn.down(wrench.force), turn.down(wrench.moment))
+
+
+def _about(wrench: Wrench, offset: Vector) -> Wrench:
+    """Return a wrench about another origin, from which `offset` leads to the current one."""
+    return Wrench(wrench.force, add(wrench.moment, cross(offset, wrench.force)))
 
 
 def rotation_column(
@@ -131,7 +155,7 @@ def rotation_column(
     couple = add(momentum.row(one.axis), multiply(second, cross(omega, axis)))
     couple = add(couple, cross(body.motion.velocity, force))
     inertial = RotationColumn(one.number, one.shares, label, force, moment)
-    return _named(inertial, Wrench(rate_force, rate_moment), couple, label, definitions)
+    return _named(Column(inertial, Wrench(rate_force, rate_moment), couple), label, definitions)
 
 
 def translation_column(one: Translation, label: str, body: MovingBody, definitions: Definitions) -> Column:
@@ -151,7 +175,7 @@ def translation_column(one: Translation, label: str, body: MovingBody, definitio
     passing = add(body.momentum.linear, cross(omega, inertia.moment))
     passing = definitions.vector(f"pa_{label}", add(passing, scale(inertia.mass, body.motion.velocity)))
     inertial = RotationColumn(one.number, one.shares, label, force, moment)
-    return _named(inertial, wrench, cross(passing, direction), label, definitions)
+    return _named(Column(inertial, wrench, cross(passing, direction)), label, definitions)
 
 
 def rotor_column(rotor: SpinningRotor, omega: Vector, definitions: Definitions) -> Column:
@@ -182,18 +206,37 @@ def column_sum(place: int, parts: Parts[Column], body: str, definitions: Definit
     """
     columns = [(share, col.inertial) for share, col in parts]
     inertial = rotation_sum(place, columns, body, body, definitions)
-    force = moment = couple = ZERO
+    coriolis, slope, couple = Wrench(), Wrench(), ZERO
     for share, col in parts:
-        force = add(force, scale(share, col.coriolis.force))
-        moment = add(moment, scale(share, col.coriolis.moment))
+        coriolis = _plus(coriolis, share, col.coriolis)
+        slope = _plus(slope, share, col.slope or Wrench())
         couple = add(couple, scale(share, col.couple))
-    return _named(inertial, Wrench(force, moment), couple, f"{inertial.label}_{body}", definitions)
+    is_sloping = all(col.slope for _, col in parts)
+    added = Column(inertial, coriolis, couple, slope if is_sloping else None)
+    return _named(added, f"{inertial.label}_{body}", definitions)
 
 
-def _named(
-    inertial: RotationColumn, coriolis: Wrench, couple: Vector, name: str, definitions: Definitions
-) -> Column:
+def _plus(total: Wrench, share: Expr, wrench: Wrench) -> Wrench:
+    """Return a wrench plus `share` times another one."""
+    force = add(total.force, scale(share, wrench.force))
+    return Wrench(force, add(total.moment, scale(share, wrench.moment)))
+
+
+def with_slope(column: Column, slope: Wrench, definitions: Definitions) -> Column:
+    """Return a column that begins with the derivative `slope` of a force and a moment, with its symbols."""
+    return replace(column, slope=_named_slope(slope, column.inertial.label, definitions))
+
+
+def _named(column: Column, name: str, definitions: Definitions) -> Column:
     """Return a column with a symbol for every component."""
-    force = definitions.vector(f"FC_{name}", coriolis.force)
-    moment = definitions.vector(f"MC_{name}", coriolis.moment)
-    return Column(inertial, Wrench(force, moment), definitions.vector(f"TC_{name}", couple))
+    force = definitions.vector(f"FC_{name}", column.coriolis.force)
+    moment = definitions.vector(f"MC_{name}", column.coriolis.moment)
+    couple = definitions.vector(f"TC_{name}", column.couple)
+    slope = column.slope and _named_slope(column.slope, name, definitions)
+    return replace(column, coriolis=Wrench(force, moment), couple=couple, slope=slope)
+
+
+def _named_slope(slope: Wrench, name: str, definitions: Definitions) -> Wrench:
+    """Return the derivative of a force and a moment with a symbol for every component."""
+    force = definitions.vector(f"FX_{name}", slope.force)
+    return Wrench(force, definitions.vector(f"MX_{name}", slope.moment))

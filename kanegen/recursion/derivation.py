@@ -10,8 +10,9 @@ from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion import factorisation
 from kanegen.recursion.articulated_bodies import ArticulatedBodies
+from kanegen.recursion.outputs.derivatives import PARTS
 from kanegen.recursion.outputs.output import OfSolution, Recursion
-from kanegen.recursion.outputs.table import OUTPUTS
+from kanegen.recursion.outputs.table import DERIVED
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.recursion.rotors import articulated_bodies_take
@@ -25,6 +26,9 @@ SOLVERS: dict[str, Callable[[Tree], Solver]] = {
     "factorisation": factorisation.Factorisation,
 }
 """The solvers of [A]{ydot} = {b} by name; the first is the most accurate."""
+
+MOST_FREEDOMS_COMPARED = 10
+"""Largest number of freedoms for which derivatives are also derived by tangents alone, if that costs less."""
 
 Methods = Mapping[str, str]
 """The method by which each output is derived: a name of an algorithm or of a solver."""
@@ -54,19 +58,22 @@ def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") ->
 
     Args:
         system: The tree.
-        outputs: Names of outputs that are no derivatives; see `outputs.prerequisites`.
+        outputs: Names of outputs that are no derivatives, and of parts of these; see `outputs.prerequisites`.
         solver: Name of the solver for {ydot}, or "cheapest" for every solver that loses no accuracy.
     """
-    derivations = {name: OUTPUTS[name].derivation for name in outputs}
+    derivations = {name: DERIVED[name].derivation for name in outputs}
     solved = any(isinstance(derivation, OfSolution) for derivation in derivations.values())
     solvers = _solvers(system, solver) if solved else tuple(SOLVERS)[:1]
-    return tuple(
+    ways = tuple(
         {
             name: derivation.method if isinstance(derivation, Recursion) else way
             for name, derivation in derivations.items()
         }
         for way in solvers
     )
+    if PARTS.keys().isdisjoint(outputs) or len(system.freedoms) > MOST_FREEDOMS_COMPARED:
+        return ways
+    return ways + tuple({name: way[name] for name in way if name not in PARTS} for way in ways)
 
 
 def _solvers(system: System, solver: str) -> tuple[str, ...]:
@@ -105,7 +112,7 @@ def derive(
     outputs: dict[str, Derived] = {}
     solution: Solution | None = None
     for name, method in methods.items():
-        derivation = OUTPUTS[name].derivation
+        derivation = DERIVED[name].derivation
         if isinstance(derivation, OfSolution):
             if solution is None:
                 solver = SOLVERS[method](_solved_tree(prepared, methods, refinement))

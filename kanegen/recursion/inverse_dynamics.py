@@ -22,7 +22,7 @@ from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.rotors import rotor_efforts, rotor_moments, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
-from kanegen.recursion.vectors import Wrench, add, cross, dot, multiply, scale, subtract
+from kanegen.recursion.vectors import Wrench, add, cross, dot, multiply, negate, scale, subtract
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import force as force_symbol
 from kanegen.symbolic.symbols import torque as torque_symbol
@@ -88,7 +88,27 @@ def required(
         efforts[number] = tree.definitions.define(f"fr_{number}", efforts.get(number, S.Zero) + effort)
     omega = {k: motion.omega for k, motion in moved.items()}
     moments = rotor_moments(rotors, omega, accelerated=accelerated)
-    return Requirement(_required_wrenches(tree, moved, moments, loaded), efforts)
+    applied = _less_moments(applied_wrenches(tree) if loaded else {}, moments)
+    return Requirement(required_wrenches(tree, moved, applied, loaded=loaded), efforts)
+
+
+def required_by_elements(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) -> list[Expr]:
+    """Return what force elements, loads on points and rotors contribute to the required generalized forces.
+
+    The other part is what the bodies require, less loads on bodies, and what accelerates armature.
+
+    Args:
+        tree: The tree.
+        moved: Motion of every body, by number.
+        accelerated: Whether the freedoms have accelerations, as for `body_motions`.
+    """
+    rotors = spinning_rotors(tree)
+    efforts = rotor_efforts(rotors, {k: motion.alpha for k, motion in moved.items()})
+    omega = {k: motion.omega for k, motion in moved.items()}
+    moments = rotor_moments(rotors, omega, accelerated=accelerated)
+    applied = _less_moments(applied_wrenches(tree), moments)
+    wrenches = [_opposite(applied.get(joint.body, Wrench())) for joint in tree.joints]
+    return required_efforts(tree, Requirement(wrenches, efforts))
 
 
 def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
@@ -102,25 +122,40 @@ def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
     return found
 
 
-def _required_wrenches(
-    tree: Tree, moved: Mapping[int, BodyMotion], spinning: Mapping[int, Vector], loaded: bool
+def _less_moments(applied: Mapping[int, Wrench], moments: Mapping[int, Vector]) -> dict[int, Wrench]:
+    """Return applied wrenches by body, less the moments that the spin of rotors requires of their carriers.
+
+    Args:
+        applied: Wrenches by number of the body.
+        moments: Moments by number of the carrier, in its frame.
+    """
+    found = dict(applied)
+    for k, moment in moments.items():
+        load = found.get(k, Wrench())
+        found[k] = replace(load, moment=subtract(load.moment, moment))
+    return found
+
+
+def _opposite(wrench: Wrench) -> Wrench:
+    """Return a wrench with its sign changed."""
+    return Wrench(negate(wrench.force), negate(wrench.moment))
+
+
+def required_wrenches(
+    tree: Tree, moved: Mapping[int, BodyMotion], applied: Mapping[int, Wrench], *, loaded: bool = True
 ) -> list[Wrench]:
     """Return for each body the force and moment about its origin that its motion requires, less its loads.
 
     Args:
         tree: The tree.
         moved: Motion of every body, by number.
-        spinning: Moments that the spin of rotors requires, by number of their carrier, in its frame.
-        loaded: Whether there are loads.
+        applied: Further wrenches that act on bodies, by number.
+        loaded: Whether loads on bodies are subtracted.
     """
-    loads = applied_wrenches(tree) if loaded else {}
-    found = []
-    for joint in tree.joints:
-        load = loads.get(joint.body, Wrench())
-        if joint.body in spinning:
-            load = replace(load, moment=subtract(load.moment, spinning[joint.body]))
-        found.append(_required_wrench(tree, joint.body, moved[joint.body], load, loaded))
-    return found
+    return [
+        _required_wrench(tree, joint.body, moved[joint.body], applied.get(joint.body, Wrench()), loaded)
+        for joint in tree.joints
+    ]
 
 
 def _required_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench, loaded: bool) -> Wrench:
@@ -175,15 +210,21 @@ class CarriedWrench:
 
     Attributes:
         joint: The joint of body K.
-        above: Force and moment about the origin of K, in its frame.
-        moments: Moment above each of the turns of the joint, in the frame above that turn.
-        below: Force and moment about the origin of K, in the frame of J.
+        path: Force and moment about the origin of K, in the frame below each turn of the joint, then in K.
     """
 
     joint: JointMotion
-    above: Wrench
-    moments: tuple[Vector, ...]
-    below: Wrench
+    path: tuple[Wrench, ...]
+
+    @property
+    def above(self) -> Wrench:
+        """Force and moment about the origin of K, in its frame."""
+        return self.path[-1]
+
+    @property
+    def below(self) -> Wrench:
+        """Force and moment about the origin of K, in the frame of J."""
+        return self.path[0]
 
 
 def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[CarriedWrench]:
@@ -200,12 +241,12 @@ def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[Carried
         tree.about(k, "force and moment about its origin, Eq. (44)")
         force = definitions.vector(f"F_{k}", add(own.force, carried[k - 1].force))
         moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
-        above, moments = Wrench(force, moment), []
+        path = [Wrench(force, moment)]
         for step in reversed(joint.steps):
-            moments.append(moment)
             force = definitions.vector(f"F_{step.frame}", step.turn.down(force))
             moment = definitions.vector(f"M_{step.frame}", step.turn.down(moment))
-        yield CarriedWrench(joint, above, tuple(reversed(moments)), Wrench(force, moment))
+            path.append(Wrench(force, moment))
+        yield CarriedWrench(joint, tuple(reversed(path)))
         if j:
             shifted = definitions.vector(f"M_{k}j", add(moment, cross(joint.offset, force)))
             carried[j - 1] = Wrench(
@@ -233,9 +274,9 @@ def _along_freedoms(tree: Tree, needed: Requirement) -> dict[int, Expr]:
     for carried in carried_wrenches(tree, needed.wrenches):
         joint = carried.joint
         along |= {one.number: carried.above.moment[one.axis] for one in joint.angular_speeds}
-        for step, moment in zip(joint.steps, carried.moments, strict=True):
+        for step, above in zip(joint.steps, carried.path[1:], strict=True):
             if step.moves:
-                along[step.number] = moment[step.axis]
+                along[step.number] = above.moment[step.axis]
         for translation in joint.moving_translations:
             work = dot(translation.direction, carried.below.force)
             along[translation.number] = tree.definitions.define(f"f_{translation.number}", work)

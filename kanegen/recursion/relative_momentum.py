@@ -128,6 +128,24 @@ def second_moments(body: Inertia, axis: int | None, name: str, definitions: Defi
     )
 
 
+def whole_second_moments(body: Inertia, axis: int, second: Rows, name: str, definitions: Definitions) -> Rows:
+    """Return [D] with the diagonal entry of a basis vector that `second_moments` has left out.
+
+    Args:
+        body: The composite body.
+        axis: The basis vector.
+        second: The second moments without this entry.
+        name: Suffix of the names of intermediates.
+        definitions: Definitions that the intermediates are added to.
+    """
+    i, j, k = body.inertia, (axis + 1) % 3, (axis + 2) % 3
+    last = (i.xx, i.yy, i.zz)[k] - second[j][j]
+    found = [list(row) for row in second]
+    found[axis][axis] = definitions.define(f"Dc_{name}_{AXES[axis] * 2}", last)
+    x, y, z = (Vector(*row) for row in found)
+    return x, y, z
+
+
 def _named(linear: Vector, rows: tuple[Vector, ...], name: str, definitions: Definitions) -> RelativeMomentum:
     """Return a momentum with a symbol for every entry."""
     x, y, z = (definitions.vector(f"Qr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True))

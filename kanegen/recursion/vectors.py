@@ -81,6 +81,11 @@ def column(matrix: Symmetric, axis: int) -> Vector:
     return (Vector(m.xx, m.xy, m.xz), Vector(m.xy, m.yy, m.yz), Vector(m.xz, m.yz, m.zz))[axis]
 
 
+def rows(matrix: Symmetric) -> Rows:
+    """Return the rows of a symmetric matrix."""
+    return column(matrix, 0), column(matrix, 1), column(matrix, 2)
+
+
 def add_symmetric(a: Symmetric, b: Symmetric) -> Symmetric:
     """Return the sum of two symmetric matrices."""
     return Symmetric(*(u + v for u, v in zip(a, b, strict=True)))

@@ -6,11 +6,19 @@ motion `<output>_input_derivatives`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from kanegen.model.system import System
+from kanegen.program.ir import Array
+from kanegen.recursion.inverse_dynamics_derivatives import (
+    forcing_by_state,
+    forcing_of_elements,
+    inverse_dynamics_by_state,
+    inverse_dynamics_of_elements,
+)
 from kanegen.recursion.outputs.inputs import LOADS, READ_BY_ALL, input_arrays
-from kanegen.recursion.outputs.output import Derivative, Output, Subject
+from kanegen.recursion.outputs.output import Derivative, Output, Recursion, Subject
+from kanegen.recursion.tree import Derived, Tree
 
 _DIFFERENTIATED = (
     ("forcing", "{f}, Eq. (44),", ("x", "y")),
@@ -39,6 +47,46 @@ _OF_INPUTS = ("forcing", "inverse_dynamics", "forward_dynamics")
 _NEEDS = {"forward_dynamics": ("mass_matrix", "inverse_dynamics", "forward_dynamics")}
 """Outputs whose programs give the derivatives of an output, where these are more than its own."""
 
+_INVERSE_DYNAMICS = ("inverse_dynamics_by_state", "inverse_dynamics_of_elements")
+
+_PARTS = {
+    "forcing": ("forcing_by_state", "forcing_of_elements"),
+    "inverse_dynamics": _INVERSE_DYNAMICS,
+    "forward_dynamics": _INVERSE_DYNAMICS,
+}
+"""Names of the parts that give the derivatives of an output by {x} and {y}, where the system has them."""
+
+
+def _by_state(name: str, derive: Callable[[Tree], Derived]) -> Output:
+    """Return the part that holds derivatives by {x} and {y}."""
+
+    def array(system: System) -> Array:
+        n = len(system.freedoms)
+        return Array(name, (n, 2 * n), "N m, N", "derivatives by {x} and {y}")
+
+    return Output(name, array, ("x", "y", "ydot", *LOADS), Recursion("composite bodies", derive))
+
+
+def _of_elements(name: str, derive: Callable[[Tree], Derived]) -> Output:
+    """Return the part that holds a term whose derivatives the other part leaves out."""
+
+    def array(system: System) -> Array:
+        return Array(name, (len(system.freedoms),), "N m, N", "the part of force elements")
+
+    return Output(name, array, ("x", "y", "ydot", *LOADS), Recursion("recursion of forces", derive))
+
+
+PARTS = {
+    part.name: part
+    for part in (
+        _by_state("forcing_by_state", forcing_by_state),
+        _of_elements("forcing_of_elements", forcing_of_elements),
+        _by_state("inverse_dynamics_by_state", inverse_dynamics_by_state),
+        _of_elements("inverse_dynamics_of_elements", inverse_dynamics_of_elements),
+    )
+}
+"""Parts of derivatives that are derived by recursions, by name. They are no outputs for users."""
+
 
 def derivatives_of(outputs: Iterable[Output]) -> tuple[Output, ...]:
     """Return the entries of the outputs that are derivatives of `outputs`.
@@ -48,7 +96,11 @@ def derivatives_of(outputs: Iterable[Output]) -> tuple[Output, ...]:
     entries = {output.name: output for output in outputs}
     by_state = (
         _derivative(
-            entries, name, f"{name}_derivatives", Derivative(of, _needs(name), by), entries[name].subject
+            entries,
+            name,
+            f"{name}_derivatives",
+            Derivative(of, _needs(name), by, parts=_PARTS.get(name, ())),
+            entries[name].subject,
         )
         for name, of, by in _DIFFERENTIATED
     )

@@ -52,15 +52,20 @@ class Derivative:
         needs: Names of the outputs whose programs are differentiated.
         by: Names of the arrays with respect to which they are differentiated, those that a system has.
         by_parameters: Whether they are also differentiated with respect to run-time parameters.
+        parts: Names of the entries of `PARTS` from which derivatives by {x} and {y} come where a system has
+            them: these derivatives, and a further term to differentiate. Empty where there are none.
     """
 
     of: str
     needs: tuple[str, ...]
     by: tuple[str, ...]
     by_parameters: bool = True
+    parts: tuple[str, ...] = ()
 
-    method = "tangents of the recursions"
-    """Name of the algorithm, as documented in the generated C."""
+    @property
+    def method(self) -> str:
+        """Name of the algorithm, as documented in the generated C."""
+        return "recursions and their tangents" if self.parts else "tangents of the recursions"
 
     def columns(
         self,

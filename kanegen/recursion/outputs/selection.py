@@ -11,11 +11,12 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
+from kanegen.recursion.inverse_dynamics_derivatives import has_structured_derivatives
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
 from kanegen.recursion.outputs.operational import OPERATIONAL_NAMES
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution
-from kanegen.recursion.outputs.table import OUTPUTS
+from kanegen.recursion.outputs.table import DERIVED, OUTPUTS
 
 
 def chosen(outputs: Iterable[str] | str, further: Iterable[str] = ()) -> tuple[str, ...]:
@@ -72,7 +73,7 @@ def _solves(name: str) -> bool:
 
 def accurately_solved(outputs: Iterable[str]) -> tuple[str, ...]:
     """Return those of the outputs of a solver that are accurate, or have a status where they are not."""
-    return tuple(name for name in outputs if _is_accurate(OUTPUTS[name].derivation))
+    return tuple(name for name in outputs if _is_accurate(DERIVED[name].derivation))
 
 
 def _is_accurate(derivation: object) -> bool:
@@ -82,20 +83,27 @@ def _is_accurate(derivation: object) -> bool:
 
 def refined_solutions(outputs: Iterable[str]) -> tuple[str, ...]:
     """Return those of the outputs that are solutions of [A]{ydot} = {b}, refined where that helps."""
-    found = ((name, OUTPUTS[name].derivation) for name in outputs)
+    found = ((name, DERIVED[name].derivation) for name in outputs)
     return tuple(name for name, one in found if isinstance(one, OfSolution) and one.is_refined)
 
 
-def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:
-    """Return the outputs to derive for `outputs`: derivatives are replaced by the outputs differentiated.
+def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple[str, ...]:
+    """Return what to derive for `outputs`: derivatives are replaced by the outputs differentiated.
 
     Bounds on errors have a program of their own and need none.
+
+    Args:
+        outputs: Names of outputs.
+        system: The tree, for which the names of parts of derivatives are added where it has them.
     """
+    with_parts = system is not None and has_structured_derivatives(system)
     found: list[str] = []
     for name in outputs:
         derivation = OUTPUTS[name].derivation
-        if not isinstance(derivation, ErrorBound):
-            found += derivation.needs if isinstance(derivation, Derivative) else (name,)
+        if isinstance(derivation, Derivative):
+            found += (*derivation.needs, *(derivation.parts if with_parts else ()))
+        elif not isinstance(derivation, ErrorBound):
+            found.append(name)
     return tuple(dict.fromkeys(found))
 
 
@@ -116,7 +124,7 @@ def method_of_program(name: str) -> str:
 
 def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:
     """Return the array of an output, with the method of its derivation added to its documentation."""
-    array = OUTPUTS[name].array(system)
+    array = DERIVED[name].array(system)
     return replace(array, doc=f"{array.doc}; by {methods[name]}")
 
 

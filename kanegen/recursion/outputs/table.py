@@ -5,6 +5,8 @@ The entries about motion alone stand in `kinematics`, those of derivatives in `d
 
 from __future__ import annotations
 
+from collections import ChainMap
+
 from kanegen.model.identification.base_parameters import base_parameters
 from kanegen.model.system import System
 from kanegen.program.ir import INVERTIBLE, Array, Condition
@@ -20,7 +22,7 @@ from kanegen.recursion.inverse_dynamics import (
 )
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.outputs.contacts import HELD
-from kanegen.recursion.outputs.derivatives import derivatives_of
+from kanegen.recursion.outputs.derivatives import PARTS, derivatives_of
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import KINEMATICS
 from kanegen.recursion.outputs.operational import OPERATIONAL
@@ -325,6 +327,9 @@ _ENTRIES = (
 
 OUTPUTS: dict[str, Output] = {output.name: output for output in (*_ENTRIES, *derivatives_of(_ENTRIES))}
 """The outputs by name."""
+
+DERIVED = ChainMap(OUTPUTS, PARTS)
+"""Everything that can be derived, by name: the outputs, and parts of them."""
 
 EQUATIONS = ("mass_matrix", "forcing")
 """The outputs that are computed unless others are asked for: [A] and {f} of Eq. (42)."""
