@@ -34,6 +34,7 @@ def _variables(source: Source) -> Context:
         "integrators": [(name, described[name]) for name in source.integrators],
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
         "parameters_by_state": source.parameters_by_state,
+        "footprints": source.footprints,
         "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],
     }
 

@@ -15,6 +15,7 @@ from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, finite_test, scalar
 from kanegen.c.double_double_elementary import DOUBLE_DOUBLE_ELEMENTARY
 from kanegen.c.elementary import ELEMENTARY, elementary_header
+from kanegen.c.footprint import footprints
 from kanegen.c.functions import Code, PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
@@ -94,12 +95,13 @@ class C99:
         }
         files |= _elementary_headers(variables["functions"])
         types = double_double.declared if double_double else ""
-        return Printed(files, types + variables["declarations"])
+        return Printed(files, types + variables["declarations"], variables["footprints"])
 
     def _context(self, render_input: RenderInput) -> Context:
         """Return the variables of all templates."""
         steps, rollouts = printed_steps(render_input)
-        printed = [*printed_functions(render_input, self), *steps]
+        outputs = printed_functions(render_input, self)
+        printed = [*outputs, *steps]
         variables = context(
             render_input.model,
             render_input.functions,
@@ -119,6 +121,7 @@ class C99:
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,
+            "footprints": footprints(render_input, outputs),
             "scalar_headers": _header_names(function.code for function in printed),
             "batch_headers": _header_names(function.simd_code for function in printed),
         }

@@ -165,14 +165,14 @@ class Dialect:
 
     def condition(self, text: str, place: int) -> str:
         """Return the statement that tests a value; the first value that is not positive sets the status."""
-        return f"if (!failed && !({self.notation.positive(text)})) failed = {place};"
+        return f"if (!failed && !({self.notation.positive(text)})) {{ failed = {place}; }}"
 
     def margin(self, value: Expression, place: int) -> str:
         """Return the statement that tests a value required positive for accuracy; the least counts."""
         rounded = converted(value, self.arithmetic, self.arithmetic if self._is_ordered else DOUBLE)
         return (
             f"if (!({rounded} > least_margin) && least_margin == least_margin) "
-            f"least_margin = {rounded}, inaccurate = -{place};"
+            f"{{ least_margin = {rounded}; inaccurate = -{place}; }}"
         )
 
     @property

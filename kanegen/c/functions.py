@@ -43,6 +43,7 @@ class Code:
         vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
+        part_locals: Number of numbers that the locals of each part hold.
         takes_sines: Whether it computes a sine or a cosine by any function.
         elementary: Precision of the functions of a header `kanegen_elementary` that it calls, None without.
         before: Text of static functions that it calls, which stand before it.
@@ -56,6 +57,7 @@ class Code:
     takes_sines: bool = False
     elementary: Precision | None = None
     before: str = ""
+    part_locals: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -178,13 +180,17 @@ def code(
     most = max((sincos.count for sincos in found if sincos), default=0)
     bodies = [body(program, dialect, function.shared) for program in programs]
     names = frozenset(name for one in bodies for name in one.locals)
+    held = tuple(
+        len(one.locals) + (2 * vector.count if vector else 0)
+        for one, vector in zip(bodies, found or [None] * len(bodies), strict=True)
+    )
     called = (*ELEMENTARY, Op.ABS) if dialect.arithmetic is DOUBLE_DOUBLE else ELEMENTARY
     elementary = any(usage.has_operations(part, called) for part in programs)
     precision = dialect.arithmetic if elementary else None
     status = bodies[-1].status
     if len(programs) == 1 and not flushes:
         lines = [*bodies[0].lines, *_ending(function, programs, dialect, status, infinite)]
-        return Code(lines, (), most, has_sines, names, takes_sines, precision)
+        return Code(lines, (), most, has_sines, names, takes_sines, precision, part_locals=held)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
     for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
@@ -194,7 +200,7 @@ def code(
     if flushes:
         calls.append("    restore_mode(before);")
     calls += _ending(function, programs, dialect, status and "status", infinite)
-    return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision)
+    return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision, part_locals=held)
 
 
 def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool) -> list[str]:

@@ -88,6 +88,26 @@ class Function:
         return self.workspace + sum(array.size for array in arrays if array.name not in self.shared)
 
 
+@dataclass(frozen=True)
+class Footprint:
+    """The memory of a function for one state, without the arrays of its caller.
+
+    Attributes:
+        name: Name of the function, with the prefix of the model.
+        stack: Bytes of stack of the function and all that it calls, from above.
+        optimised_stack: Bytes of stack with optimisation, about.
+        code: Bytes of code, about, optimised for size and without functions that it calls.
+
+    Example:
+        kg.generate(system).footprints[0].stack
+    """
+
+    name: str
+    stack: int
+    optimised_stack: int
+    code: int
+
+
 def signatures(
     module: Module,
     longest: int = LONGEST_PART,

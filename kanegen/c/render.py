@@ -99,6 +99,7 @@ def printed(render_input: RenderInput, target: Target) -> Source:
         render_input=render_input,
         rollouts=render_input.rollouts,
         integrators=tuple(render_input.steps),
+        footprints=made.footprints,
     )
 
 

@@ -97,7 +97,7 @@ class Sincos:
         bits = 32 * count - AHEAD
         with mpmath.workprec(bits + 64):
             whole = int(mpmath.floor(mpmath.ldexp(2 / mpmath.pi, bits)))
-        return [f"0x{whole >> 32 * (count - 1 - k) & 0xFFFFFFFF:08x}" for k in range(count)]
+        return [f"0x{whole >> 32 * (count - 1 - k) & 0xFFFFFFFF:08x}U" for k in range(count)]
 
     @property
     def limit_pattern(self) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 
 from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
-from kanegen.c.interface import PREPARE, Function
+from kanegen.c.interface import PREPARE, Footprint, Function
 from kanegen.c.source_html import source_html
 from kanegen.c.steps import Rollout
 from kanegen.c.target import RenderInput
@@ -45,6 +45,7 @@ class Source:
         certificate: The fields of the certificate of a budget, {} without one.
         render_input: The programs that were printed, with the choices for the code; None for a source that
             was not made by `render`.
+        footprints: Stack and code of every function for one state, where the target knows them.
         system: The system that the programs compute; None where only the description is known.
 
     Example:
@@ -70,6 +71,7 @@ class Source:
     system: System | None = field(default=None, repr=False, compare=False)
     rollouts: tuple[Rollout, ...] = ()
     integrators: tuple[str, ...] = ()
+    footprints: tuple[Footprint, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def module(self) -> Module | None:

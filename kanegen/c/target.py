@@ -15,7 +15,7 @@ from typing import Protocol, runtime_checkable
 from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import Dialect
 from kanegen.c.formats import Formats, formats
-from kanegen.c.interface import Function, prepared_names, requested, signatures
+from kanegen.c.interface import Footprint, Function, prepared_names, requested, signatures
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.c.steps import Rollout, step_function
@@ -128,10 +128,12 @@ class Printed:
     Attributes:
         files: Text of every file of code by its name, without the line of provenance.
         declarations: Enumerations and prototypes for callers in plain C, as cffi reads them.
+        footprints: Memory of every function for one state, where the target knows it.
     """
 
     files: Mapping[str, str]
     declarations: str
+    footprints: tuple[Footprint, ...] = ()
 
 
 @runtime_checkable

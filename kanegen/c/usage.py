@@ -78,7 +78,7 @@ class Run:
         row, start = divmod(self.start, width)
         stop = start + self.stop - self.start
         place = "i" if width == self.array.size else f"{width}*{row} + i"
-        return f"for (int i = {start}; i < {stop}; ++i) {self.array.name}[{place}] = {value};"
+        return f"for (int i = {start}; i < {stop}; ++i) {{ {self.array.name}[{place}] = {value}; }}"
 
 
 def zero_runs(program: Program) -> list[Run]:

@@ -6,17 +6,29 @@ import json
 import re
 import shlex
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 import kanegen as kg
+from benchmarks.microcontrollers.boards import (
+    BOARDS,
+    GCC,
+    Board,
+    compile_for,
+    compile_here,
+    numbers,
+    run_on,
+)
+from benchmarks.microcontrollers.programs import program_of_bits, program_of_costs, random_inputs
 from kanegen.c import Source
 from kanegen.errors import OptionError
 from tests.support.c_compilers import CPP, WARNINGS, C, run
 from tests.support.command import kanegen
 from tests.support.pages import blocks, copy_of_checkout, files
 from tests.support.paths import MODELS, PENDULUM
+from tests.support.stack_usage import calls, deepest, frames
 from tests.support.systems import chain
 
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
@@ -181,6 +193,86 @@ def test_the_program_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.Monkey
     flags = ("-std=c99", *WARNINGS, "-O1", "-ffp-contract=off", "-Isrc")
     run(*C["gcc"], *flags, "main.c", "src/double_pendulum.c", "-lm", folder=folder)
     run("./a.out", folder=folder)
+
+
+MOTION = ("mass_matrix", "forcing", "forward_dynamics", "step_rk4")
+"""Outputs that are computed on boards."""
+
+
+def source_of(model: str, outputs: Sequence[str] = MOTION, precision: str = "float") -> Source:
+    """Return the code for one state of a model, or of a chain with loads on its bodies."""
+    system = chain(2, ("theta1", "s2"), loads=True) if model == "loads" else kg.load(MODELS / f"{model}.toml")
+    return kg.generate(system, outputs, precision=precision, batches=False)
+
+
+@pytest.mark.embed("arm-none-eabi-gcc", "qemu-system-arm")
+@pytest.mark.parametrize("level", ["-O0", "-O2", "-Os"])
+@pytest.mark.parametrize("precision", ["float", "double"])
+@pytest.mark.parametrize("model", ["double_pendulum", "panda_arm", "satellite", "loads"])
+def test_boards_compute_the_bits_of_this_machine(
+    model: str, precision: str, level: str, tmp_path: Path
+) -> None:
+    source = source_of(model, precision=precision)
+    source.write(tmp_path)
+    (tmp_path / "bits.c").write_text(program_of_bits(source, random_inputs(source, MOTION, 7), MOTION))
+    sources = ("bits.c", f"{source.model.name}.c")
+    here = run(str(compile_here(tmp_path, sources)), folder=tmp_path)
+    assert here.count("forward_dynamics acceleration") == 7
+    for board in BOARDS.values():
+        assert run_on(board, compile_for(board, tmp_path, sources, (level,))) == here, board.name
+
+
+@pytest.mark.embed("arm-none-eabi-gcc", "qemu-system-arm")
+@pytest.mark.parametrize("board", BOARDS.values(), ids=BOARDS)
+def test_the_self_test_passes_on_boards(board: Board, tmp_path: Path) -> None:
+    """The program prints the properties of IEEE arithmetic that the compiler keeps: on boards all of them."""
+    source = kg.generate(kg.load(PENDULUM), artifacts="self-test").write(tmp_path)
+    properties = re.findall(r'(?:report|puts)\("([^"]+)"', (source / "selftest.c").read_text())
+    program = compile_for(board, source, ["selftest.c"])
+    assert run_on(board, program).splitlines() == list(dict.fromkeys(properties))
+
+
+@pytest.mark.embed("arm-none-eabi-gcc", "qemu-system-arm")
+@pytest.mark.parametrize("board", BOARDS.values(), ids=BOARDS)
+@pytest.mark.parametrize("model", ["double_pendulum", "panda_arm", "satellite"])
+def test_no_function_takes_more_stack_than_the_readme_states(
+    model: str, board: Board, tmp_path: Path
+) -> None:
+    """The stack is measured on the board: what a call overwrites, with all that it calls."""
+    source = source_of(model)
+    stated = {one.name: one for one in source.footprints}
+    source.write(tmp_path)
+    for name in MOTION:
+        (tmp_path / "cost.c").write_text(program_of_costs(source, random_inputs(source, [name], 1), name))
+        one = stated[f"{model}_{name}"]
+        for level in ("-O0", "-O2"):
+            program = compile_for(board, tmp_path, ("cost.c", f"{model}.c"), (level,))
+            found = numbers(run_on(board, program))["stack"]
+            assert 0 < found <= one.stack, (name, level)
+            assert level == "-O0" or found <= 1.5 * one.optimised_stack, name
+
+
+@pytest.mark.embed("arm-none-eabi-gcc")
+@pytest.mark.parametrize("precision", ["float", "double"])
+@pytest.mark.parametrize("model", ["double_pendulum", "panda_arm", "satellite", "front_of_eight"])
+def test_gcc_for_arm_keeps_to_the_memory_of_the_readme(model: str, precision: str, tmp_path: Path) -> None:
+    source = source_of(model, (*MOTION, "rollout_rk4"), precision)
+    source.write(tmp_path)
+    file = f"{model}.c"
+    for board in BOARDS.values():
+        for level in ("-O0", "-O2", "-Os"):
+            sizes = frames(tmp_path, file, (GCC, *board.flags, level))
+            stack = deepest(calls(tmp_path, file), sizes)
+            listed = run("arm-none-eabi-nm", "-S", "stack_usage.o", folder=tmp_path).splitlines()
+            code = {words[3]: int(words[1], 16) for line in listed if len(words := line.split()) == 4}
+            for one in source.footprints:
+                assert stack[one.name] <= one.stack, (one, board.name, level)
+                assert level == "-O0" or stack[one.name] <= 1.5 * one.optimised_stack, (
+                    one,
+                    board.name,
+                    level,
+                )
+                assert level != "-Os" or code[one.name] <= 1.5 * one.code, (one, board.name)
 
 
 @pytest.mark.embed("avr-gcc", "simavr")
