@@ -75,17 +75,27 @@ class BroadcastFunction:
         """
         given = self._named(values, inputs)
         arrays = {name: self._array(name, value) for name, value in given.items()}
-        leads = {name: lead for name, (_, lead) in arrays.items()}
-        try:
-            batch = np.broadcast_shapes(*leads.values())
-        except ValueError:
-            shown = ", ".join(f"{name} {lead}" for name, lead in leads.items())
-            raise ArrayError(f"{self.__name__}: leading dimensions do not broadcast: {shown}.") from None
+        batch = self._batch({name: lead for name, (_, lead) in arrays.items()})
         found = self._run({name: _rows(array, lead, batch) for name, (array, lead) in arrays.items()})
         shaped = [
             one.reshape((*batch, *shape)) for one, shape in zip(found, self._outputs.values(), strict=True)
         ]
         return shaped[0] if len(shaped) == 1 else tuple(shaped)
+
+    def _batch(self, leads: Mapping[str, Shape]) -> Shape:
+        """Return the dimensions to which the leading dimensions of all arguments broadcast.
+
+        Raises:
+            ArrayError: If they do not broadcast.
+        """
+        different = {lead for lead in leads.values() if lead}
+        if len(different) <= 1:
+            return different.pop() if different else ()
+        try:
+            return np.broadcast_shapes(*different)
+        except ValueError:
+            shown = ", ".join(f"{name} {lead}" for name, lead in leads.items())
+            raise ArrayError(f"{self.__name__}: leading dimensions do not broadcast: {shown}.") from None
 
     def _named(self, values: tuple[Any, ...], inputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return all arguments that are not None by name.
@@ -131,7 +141,7 @@ def _core(shape: Shape) -> str:
 
 def _rows(array: Any, lead: Shape, batch: Shape) -> Any:
     """Return an argument with one leading dimension for the batch, or none where there is no batch."""
-    if not batch or isinstance(array, Mapping):
+    if not batch or (lead == batch and len(batch) == 1) or isinstance(array, Mapping):
         return array
     shape = array.shape[len(lead) :]
     return np.broadcast_to(array, (*batch, *shape)).reshape(math.prod(batch), *shape)

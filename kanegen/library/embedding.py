@@ -62,10 +62,11 @@ class Embedding(CompiledModel):
         if name not in self._calls or name == PREPARE:
             raise self._absent(name)
         parameters = len(self._parameters), self._native.parameter_type
+        order = arguments_of(name)
 
         def run(given: Mapping[str, Any]) -> list[Floats]:
-            values = tuple(map(given.get, arguments_of(name)))
-            named = {one: value for one, value in given.items() if one not in arguments_of(name)}
+            values = tuple(map(given.get, order))
+            named = {one: value for one, value in given.items() if one not in order}
             return self._run(name, values, cast(NamedInputs, named))
 
         return BroadcastFunction(name, self._calls[name], parameters, run)

@@ -189,9 +189,9 @@ class _Rule:
                 matrix = self.every[one.function](*operands)[one.place]
                 axes = matrix.dim() - len(self.signatures[one.function].outputs[one.place])
                 matrix = matrix.reshape(*matrix.shape[:axes], along.shape[-1], -1)
+                change = torch.einsum("...rk,...r->...k", matrix, along)
                 for name, columns in own.items():
-                    change = torch.einsum("...rk,...r->...k", matrix[..., columns], along)
-                    shaped = change.reshape(*lead, *signature.inputs[name])
+                    shaped = change[..., columns].reshape(*lead, *signature.inputs[name])
                     found[name] = shaped.sum_to_size(given[name].shape)
         return tuple(map(found.get, given))
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+import _cffi_backend
 import numpy as np
 
 from kanegen.c import ModelDescription
@@ -236,8 +237,9 @@ class Call:
 
         Args:
             constants: Prepared constants.
-            inputs: Contiguous arrays that C reads, as `arrays` makes them; the function keeps them alive.
-            results: Contiguous arrays that C fills.
+            inputs: Contiguous arrays that C reads, as `arrays` makes them.
+            results: Contiguous arrays that C fills. The caller keeps all arrays and constants alive as long
+                as the function.
             batch: `()` for one state or `(B,)` for a batch.
 
         Raises:
@@ -251,7 +253,9 @@ class Call:
         )
         if batch:
             return partial(self._many, batch[0], pointers)
-        return partial(self._single, *pointers)
+        # Pointers of the very types of the arguments are passed on as they are, which takes least time.
+        types = _cffi_backend.typeof(self._single).args
+        return partial(self._single, *map(_cffi_backend.cast, types, pointers))
 
     @property
     def unloaded(self) -> dict[str, Mapping[int, str]]:
