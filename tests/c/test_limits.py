@@ -10,6 +10,7 @@ import pytest
 import kanegen as kg
 from tests.support import systems
 from tests.support.c_compilers import CPP, WARNINGS, C, run
+from tests.support.cases import slow_except
 
 PROGRAM = """
 #include <math.h>
@@ -53,7 +54,9 @@ def _chain() -> kg.System:
         *(("-std=c++98", command) for command in CPP.values()),
     ],
 )
-@pytest.mark.parametrize("precision", ["double", "float", "long double", "double-double"])
+@pytest.mark.parametrize(
+    "precision", slow_except(["double", "float", "long double", "double-double"], "double")
+)
 def test_macros_initialise_arrays(
     language: str, compiler: tuple[str, ...], precision: str, tmp_path: Path
 ) -> None:

@@ -101,7 +101,7 @@ def assert_as_mujoco(found: dict[str, Any], theirs: dict[str, Any]) -> None:
     )
 
 
-@pytest.mark.parametrize("seed", slow_except(range(12), 0, 1))
+@pytest.mark.parametrize("seed", slow_except(range(12), 1))
 def test_trees_against_mujoco(seed: int) -> None:
     """Hinges, slides and a body with six freedoms; every solver, refined and unrefined."""
     rng = np.random.default_rng(seed)

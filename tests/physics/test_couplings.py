@@ -16,6 +16,7 @@ from kanegen.symbolic import derive
 from kanegen.symbolic.printing.formats import render
 from tests.support import prescribed_trees as trees
 from tests.support import systems
+from tests.support.cases import slow_except
 from tests.support.couplings import random_couplings, rate_matrices, released, released_state
 from tests.support.orientation_trees import close
 from tests.support.prescribed_trees import KINDS, POINTS, SAME, Arrays, state, values
@@ -74,7 +75,7 @@ def require_equal(kind: str, seed: int, driven: bool) -> None:
 
 
 @pytest.mark.parametrize("driven", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[::3]))
 def test_outputs_equal_those_of_the_tree_without_couplings(kind: str, driven: bool) -> None:
     assert tree(kind, 0, driven).couplings
     require_equal(kind, 0, driven)
@@ -91,7 +92,7 @@ def test_many_trees(kind: str) -> None:
 
 
 @pytest.mark.parametrize("driven", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[1::3]))
 def test_the_reference_and_the_literal_equations(kind: str, driven: bool) -> None:
     system = tree(kind, 2, driven)
     given = state(system, 2)
@@ -109,7 +110,7 @@ def test_the_reference_and_the_literal_equations(kind: str, driven: bool) -> Non
 
 
 @pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[2::3]))
 def test_both_solvers(kind: str, solver: str) -> None:
     system = tree(kind, 1, driven=True)
     given = state(system, 1)

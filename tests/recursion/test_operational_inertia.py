@@ -96,7 +96,7 @@ def solvers(system: kg.System) -> list[str]:
     return ["articulated bodies"] * articulated_bodies_take(system) + ["factorisation"]
 
 
-@pytest.mark.parametrize("seed", slow_except(range(24), *range(8)))
+@pytest.mark.parametrize("seed", slow_except(range(24), *range(4)))
 def test_trees_with_everything(seed: int) -> None:
     system = random_trees.everything(seed, 3)
     if names := movable(system):
@@ -108,7 +108,7 @@ def test_half_of_these_trees_have_frames_that_move_in_six_directions() -> None:
     assert sum(bool(movable(random_trees.everything(seed, 3))) for seed in range(8)) >= 4
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1))
 def test_trees_that_articulated_bodies_take(seed: int) -> None:
     """Three angles, angular velocities, and free translations, solved for in the components of the body."""
     rng = np.random.default_rng(seed)
@@ -207,7 +207,7 @@ def test_batches_of_trees_with_parameters() -> None:
         assert (error <= roundoff * condition(model, states)[:, None]).all()
 
 
-@pytest.mark.parametrize("kind", prescribed_trees.KINDS)
+@pytest.mark.parametrize("kind", slow_except(prescribed_trees.KINDS, *prescribed_trees.KINDS[::2]))
 def test_prescribed_motion(kind: str) -> None:
     trees = (prescribed_trees.tree(kind, seed) for seed in range(8))
     system, names = next((tree, names) for tree in trees if (names := movable(tree)))

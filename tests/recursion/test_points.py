@@ -14,6 +14,7 @@ from kanegen.reference.freedoms import free_columns
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.matrices import skew
 from tests.support import systems
+from tests.support.cases import slow_except
 from tests.support.orientation_trees import ANGULAR_VELOCITY, KINDS, close, mixed, tree_of_kind, values
 from tests.support.paths import MODELS
 
@@ -55,7 +56,7 @@ def expected(system: kg.System, given: dict[str, np.ndarray]) -> dict[str, np.nd
 
 
 @pytest.mark.parametrize("each", [1, 4])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[::2]))
 def test_the_equations_of_the_notes(kind: str, each: int) -> None:
     """One point a body is turned joint by joint, four are turned by the rotation of the body."""
     for seed in range(3):

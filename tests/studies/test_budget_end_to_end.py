@@ -31,6 +31,7 @@ from kanegen.studies.tradeoff.domain import joined
 from kanegen.studies.tradeoff.exact_results import ExactResults, compute_accelerations
 from kanegen.studies.tradeoff.hard_states import hard_states
 from kanegen.studies.tradeoff.variants import Candidate
+from tests.support.cases import slow_except
 from tests.support.paths import MODELS
 
 MODEL = kg.load(MODELS / "double_pendulum.toml")
@@ -207,7 +208,7 @@ TOLD = (
 """Paths of which one of every kind stands for all."""
 
 
-@pytest.mark.parametrize("path", TOLD, ids=str)
+@pytest.mark.parametrize("path", slow_except(TOLD, *TOLD[::4]), ids=str)
 def test_a_changed_statement_is_refused_although_the_digest_was_made_anew(
     path: tuple[Any, ...], written: Path, tmp_path: Path
 ) -> None:

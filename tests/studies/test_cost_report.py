@@ -169,6 +169,7 @@ def lumped(system: kg.System, moving: int) -> kg.System:
     )
 
 
+@pytest.mark.slow
 def test_welded_bodies_cost_as_much_as_lumped_ones() -> None:
     """Bodies 4 to 8 welded to three bodies give the equations of three bodies with their masses."""
     eight = systems.eight_body(loads=False).values()
