@@ -58,6 +58,16 @@ def test_mppi_swings_the_pole_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.abs(states[:, 1]).max() < 2.5 and np.abs(forces).max() <= mppi.LARGEST_FORCE
 
 
+def test_mpc_swings_the_pole_up_on_a_short_rail() -> None:
+    mpc = example("mpc_cart_pole")
+    states, forces = mpc.motion(cycles=65)
+    assert states[0, 0] == np.pi
+    assert (np.cos(states[-5:, 0]) > 0.99).all()
+    # Plans keep the limits to the tolerance of Ipopt; the heavier pole pushes the cart a little further.
+    assert np.abs(states[:, 1]).max() < 1.01 * mpc.RAIL
+    assert np.abs(forces).max() < mpc.LARGEST_FORCE + 1e-6
+
+
 @pytest.mark.slow
 def test_computed_torque_follows_a_motion_more_closely_than_springs() -> None:
     errors = example("computed_torque_panda").motions()

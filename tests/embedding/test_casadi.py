@@ -13,6 +13,7 @@ from kanegen.artifacts import with_artifacts
 from kanegen.errors import MissingError, OptionError
 from kanegen.interop import casadi
 from kanegen.reference import equations as reference
+from tests.support import pages
 from tests.support.casadi_functions import CASES, SYSTEMS, made
 from tests.support.paths import MODELS
 
@@ -327,6 +328,22 @@ def test_integrators_follow_a_motion():
     for _ in range(1000):
         x, y = library.step(x, y, step=1e-3, method="rk4")
     np.testing.assert_allclose(integrator(x0=start)["xf"].full().ravel(), [*x, *y], atol=1e-7)
+
+
+@pytest.mark.slow
+def test_the_page(tmp_path, monkeypatch):
+    """Its blocks run one after the other, in a copy of the checkout."""
+    monkeypatch.chdir(pages.copy_of_checkout(tmp_path))
+    names = {}
+    for block in pages.fenced("embedding/casadi"):
+        if block.language == "python":
+            exec(compile(block.text, "casadi.md", "exec"), names)
+        else:
+            pages.run_console(block.text, tmp_path)
+    matrix = kg.build(names["cart_pole"]).mass_matrix([0.3, 0.0])
+    found = ca.Function("A", [names["x"], names["y"]], [names["hessian"]])([0.3, 0.0], [1.0, 2.0])
+    np.testing.assert_allclose(found.full(), matrix, rtol=1e-14, atol=1e-15)
+    assert names["ode"].name_out() == ["xdot", "acceleration"]
 
 
 def test_functions_are_pickled_with_the_path_of_their_library():
