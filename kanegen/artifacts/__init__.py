@@ -29,6 +29,8 @@ from kanegen.artifacts.reanchoring import refusal as reanchoring_refusal
 from kanegen.artifacts.rust import refusal as rust_refusal
 from kanegen.artifacts.rust import rust
 from kanegen.artifacts.selftest import selftest
+from kanegen.artifacts.simulink import refusal as simulink_refusal
+from kanegen.artifacts.simulink import simulink
 from kanegen.artifacts.wasm import refusal as wasm_refusal
 from kanegen.artifacts.wasm import wasm
 from kanegen.c.provenance import with_provenance
@@ -97,6 +99,13 @@ ARTIFACTS: dict[str, Artifact] = {
             usual_outputs=fmi.usual_outputs,
         ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
+        Artifact(
+            "simulink",
+            "Functions with fixed sizes for the block C Caller.",
+            simulink,
+            simulink_refusal,
+            usual_outputs=motion,
+        ),
         Artifact("wasm", "A package for browsers and Node.js, with types.", wasm, wasm_refusal),
     )
 }

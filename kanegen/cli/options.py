@@ -87,6 +87,7 @@ TARGETS = (
     "fmi2",
     "fmi3",
     "self-test",
+    "simulink",
     "wasm",
 )
 """Names of the artifacts and products that `kanegen generate` writes where they are asked for, one a line."""

@@ -17,6 +17,7 @@ from kanegen.recursion.outputs import available
 from kanegen.reference.equations import forcing, mass_matrix
 from kanegen.reference.states import random_states
 from tests.support.c_compilers import WARNINGS
+from tests.support.pages import blocks, run
 from tests.support.paths import MODELS, PENDULUM
 
 DYNAMICS = "mass_matrix", "forcing", "forward_dynamics"
@@ -304,3 +305,17 @@ def test_what_matlab_cannot_hold_is_refused() -> None:
 def test_a_package_has_no_reserved_name() -> None:
     files = kg.generate(kg.load(PENDULUM).with_name("end"), artifacts="octave").files
     assert "+end_/build.m" in files and "end_mex.c" in files
+
+
+@pytest.mark.embed("octave", "mkoctfile")
+def test_the_page(tmp_path: Path) -> None:
+    (tmp_path / "models").symlink_to(MODELS)
+    for command in blocks("embedding/octave", "sh"):
+        run(command.strip(), tmp_path)
+    printed = octave("\n".join(blocks("embedding/octave", "octave")), tmp_path / "double_pendulum")
+    last = kg.simulate(
+        kg.build(kg.load(PENDULUM), ("forward_dynamics",)), [0.5, 0.3], [0, 0], [0.0, 1.0], step=1e-3
+    )
+    assert f"{last.x[-1, 0]:.4f} {last.x[-1, 0]:.4f} {last.x[-1, 0]:.4f}" in printed.splitlines()
+    assert "q1 (rad)" in printed and "[acceleration, status]" in printed
+    assert "  0  3" in printed.splitlines()

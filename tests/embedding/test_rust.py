@@ -21,6 +21,7 @@ from kanegen.program.ir import PREPARED
 from kanegen.recursion.outputs import available
 from kanegen.reference.equations import forcing, mass_matrix
 from kanegen.reference.states import random_states
+from tests.support.pages import blocks, files, run
 from tests.support.paths import MODELS, PENDULUM
 
 ARM = "forward_dynamics", "forward_dynamics_derivatives"
@@ -371,3 +372,28 @@ def test_no_line_of_documentation_becomes_a_list_or_a_link() -> None:
 
 def test_the_same_bytes_again() -> None:
     assert source_of("satellite").files == source_of("satellite").files
+
+
+@pytest.mark.embed("cargo")
+def test_the_page(tmp_path: Path, target: Path) -> None:
+    (tmp_path / "models").symlink_to(MODELS)
+    for command in blocks("embedding/rust", "sh"):
+        run(command.strip(), tmp_path)
+    (needs,) = blocks("embedding/rust", "toml")
+    package = '[package]\nname = "page"\nversion = "0.1.0"\nedition = "2021"\ndefault-run = "page"\n\n'
+    second = 'double_pendulum = { path = "double_pendulum/rust" }\n'
+    (tmp_path / "Cargo.toml").write_text(package + needs + second)
+    for name, text in files("embedding/rust").items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    assert len(files("embedding/rust")["src/main.rs"].splitlines()) - 2 <= 5  # what a user writes
+    (line,) = cargo("run", "--quiet", folder=tmp_path, target=target).splitlines()
+    library = kg.build(kg.load(MODELS / "panda_arm.toml"), ("forward_dynamics",))
+    expected = library.forward_dynamics(np.full(7, 0.1), np.zeros(7), np.zeros(7))
+    assert np.array_equal(ast.literal_eval(line), expected)
+    printed = cargo("run", "--quiet", "--bin", "pendulum", folder=tmp_path, target=target).splitlines()
+    heavy = kg.build(kg.load(PENDULUM), ("forward_dynamics", "rollout_rk4")).with_parameters({"m2": 0.8})
+    state = np.array([0.5, 0.6])
+    assert np.array_equal(ast.literal_eval(printed[0]), heavy.forward_dynamics(state, state, state))
+    motion = heavy.rollout([0.1, 0.2], [0, 0], [0.5, 0.0], steps=1000, step=1e-3, every=100, method="rk4")
+    assert printed[1] == f"q1 = {motion.x[-1, 0]:.3f} rad"

@@ -1,0 +1,1 @@
+"""Templates of the artifact "simulink": functions for the block C Caller, and how to set it up."""
