@@ -37,6 +37,7 @@ embed-%: $(VENV)/.tests
 
 # Run the examples of control loops and rewrite their pictures in docs/examples.
 examples: $(VENV)/.tests
+	$(BIN)/python -m pip install --quiet --editable .[jax]
 	for name in $(EXAMPLES); do SOURCE_DATE_EPOCH=0 $(BIN)/python examples/$$name.py docs/examples/$$name.svg || exit; done
 
 # Time calls through each of these programs beside the C alone, and rewrite docs/embedding/call-times.md.

@@ -232,6 +232,17 @@ def test_axes_are_broadcast_as_in_numpy(pendulum: Any, jax: Any) -> None:
     np.testing.assert_array_equal(out_axes.T, one(x, y, tau[0], sets[0]))
 
 
+def test_threads_of_openmp_change_no_bit(pendulum: Any, jax: Any) -> None:
+    alone, shared = (made("double_pendulum", derivatives=False, threads=one) for one in (False, True))
+    x, y, tau = state(pendulum, count=5000)
+    sets = np.array([*pendulum.library.parameters.values()]) * np.random.default_rng(2).uniform(
+        0.5, 2, (5000, 5)
+    )
+    for parameters in (sets[0], sets):
+        one, other = (f.forward_dynamics(x, y, tau, parameters=parameters) for f in (alone, shared))
+        np.testing.assert_array_equal(one, other)
+
+
 def test_compiled_once(pendulum: Any, jax: Any) -> None:
     compiled = jax.jit(pendulum.forward_dynamics)
     for seed in range(3):
