@@ -14,7 +14,7 @@ from kanegen.library.bound import BoundCall
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.embedding import Embedding
 from kanegen.library.linearization import OF_RATES, outputs_needed
-from kanegen.library.native.status import OnStatus, StatusReport, report
+from kanegen.library.native.status import MISSING, OnStatus, StatusReport, report
 from kanegen.model.arguments import LOADS, Floats
 from kanegen.model.parameter_sets import ParameterSets
 from kanegen.program.ir import PARAMETERS
@@ -77,7 +77,7 @@ class RightSide:
         self._m, self._n = len(library.coordinate_names), library.n
         self._are_rates = library.source.model.speeds_are_rates
         self._varying = [name for name, value in inputs.items() if callable(value)]
-        self._time = 0.0
+        self._time, self._has_warned = 0.0, False
         self._calls: dict[str, BoundCall] = {}
         for name in ("forward_dynamics", *([] if self._are_rates else ["coordinate_rates"])):
             self._call(name)
@@ -236,8 +236,16 @@ class RightSide:
         return self._calls[name]
 
     def _react(self, found: StatusReport) -> None:
-        """Report what a bound function has to report, with the time, by the rule of the library."""
-        report(replace(found, message=f"at t = {self._time:.9g} s: {found.message}"), self._library.on_status)
+        """Report what a bound function has to report, with the time, by the rule of the library.
+
+        A warning is given once, since a solver evaluates thousands of states; what raises always raises.
+        """
+        message = f"at t = {self._time:.9g} s: {found.message}"
+        if self._library.on_status == "warn":
+            if self._has_warned and found.kind != MISSING:
+                return
+            self._has_warned, message = True, f"{message} Later states are not reported."
+        report(replace(found, message=message), self._library.on_status)
 
     def _refuse(self, shape: tuple[int, ...]) -> NoReturn:
         raise ArrayError(

@@ -266,7 +266,9 @@ def test_both_modes_give_the_generated_derivatives(satellite: Any, pendulum: Any
         derivatives = getattr(functions.library, f"{name}_derivatives")(*given)
         columns = functions.library.derivative_columns(f"{name}_derivatives")
         for mode in (jax.jacfwd, jax.jacrev):
-            by = dict(zip(function.arguments.positional, mode(function, (0, 1, 2))(*given), strict=False))
+            by = dict(
+                zip(function.arguments.names.positional, mode(function, (0, 1, 2))(*given), strict=False)
+            )
             for one, found in by.items():
                 right = (
                     functions.library.mass_matrix(given[0])

@@ -171,8 +171,11 @@ def test_what_does_not_fit_says_so(pendulum: kg.Library) -> None:
 
 def test_statuses_name_the_time(pendulum: kg.Library) -> None:
     bad = [np.nan, 0.0, 0.0, 0.0]
-    with pytest.warns(KanegenWarning, match=r"at t = 0\.5 s: forward_dynamics: .*x\[0\] is nan"):
-        pendulum.rhs()(0.5, bad)
+    rhs = pendulum.rhs()
+    with pytest.warns(KanegenWarning, match=r"at t = 0\.5 s: forward_dynamics: .*x\[0\] is nan") as warned:
+        rhs(0.5, bad)
+        rhs(0.6, bad)
+    assert len(warned) == 1
     with pytest.raises(StatusError, match=r"at t = 0\.5 s: forward_dynamics"):
         pendulum.with_on_status("raise").rhs()(0.5, bad)
     assert np.isnan(pendulum.with_on_status("ignore").rhs()(0.5, bad)[2:]).any()

@@ -241,7 +241,7 @@ def test_what_does_not_fit_says_so(torch: Any, pendulum: Any) -> None:
         pendulum.forward_dynamics(numbers(torch, 3), x)
     with pytest.raises(ArrayError, match="y: missing"):
         pendulum.forward_dynamics(x)
-    with pytest.raises(ArrayError, match="y: it is passed twice"):
+    with pytest.raises(ArrayError, match="y: passed twice"):
         pendulum.forward_dynamics(x, x, y=x)
     with pytest.raises(ArrayError, match=r"no such argument\. Did you mean 'tau'"):
         pendulum.forward_dynamics(x, x, taw=x)

@@ -11,11 +11,11 @@ import numpy as np
 from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, quoted
 from kanegen.extras import JAX, module
+from kanegen.interop.arguments import ArgumentNames
 from kanegen.interop.jax.calls import Arrays
 from kanegen.interop.jax.facade import require_numbers
 from kanegen.library import Library
-from kanegen.library.native.calls import arguments_of
-from kanegen.model.arguments import ARGUMENTS, LOADS, MODEL_DEPENDENT, OPTIONAL, STEP, required
+from kanegen.model.arguments import MODEL_DEPENDENT, OPTIONAL, STEP, required
 from kanegen.program.ir import PARAMETERS, Array
 
 jax = module("jax", "jaxlib", extra=JAX)
@@ -39,20 +39,15 @@ class Arguments:
     types: tuple[np.dtype[Any], ...]
 
     @property
-    def positional(self) -> tuple[str, ...]:
-        """Names of the arguments that may be passed without their name, in order."""
-        return arguments_of(self.function)
-
-    @property
-    def named(self) -> tuple[str, ...]:
-        """Names of the arguments that are passed by name."""
-        return (*self.library.further_inputs, *((PARAMETERS,) if self.library.parameters else ()))
+    def names(self) -> ArgumentNames:
+        """Names of the arguments, by place and by name."""
+        return ArgumentNames.of(self.function, self.library, [array.name for array in self.arrays])
 
     def operands(self, values: Sequence[Any], named: Mapping[str, Any]) -> list[Arrays]:
         """Return the arrays that C reads, each (*lead, numbers of one state) with as many leading axes.
 
         Args:
-            values: Values of `positional`, which may end early.
+            values: Values of `names.positional`, which may end early.
             named: Further values by name.
 
         Raises:
@@ -61,7 +56,7 @@ class Arguments:
             ModelError: If there is no parameter of a name.
             OptionError: If JAX has no numbers of the library's precision at the moment.
         """
-        given = self._bound(values, named)
+        given = self.names.bound(values, named)
         require_numbers(self.library.name, self.library.source.variant)
         found = [
             self._converted(array, given.get(array.name), dtype)
@@ -79,43 +74,6 @@ class Arguments:
             one.reshape(*(1,) * (axes - len(lead)), *lead, array.size)
             for one, lead, array in zip(found, leads, self.arrays, strict=True)
         ]
-
-    def _bound(self, values: Sequence[Any], named: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values by name, but for those that are None.
-
-        Raises:
-            ArrayError: If there are too many, one is passed twice, or there is no such argument.
-        """
-        order = self.positional
-        if len(values) > len(order):
-            raise ArrayError(
-                f"{self.function}: {len(values)} arguments without a name; there are {', '.join(order)}."
-            )
-        given = dict(zip(order, values, strict=False))
-        for name, value in named.items():
-            if name in given:
-                raise ArrayError(f"{name}: passed twice, by its place and by its name.")
-            if name not in order and name not in self.named:
-                raise self._unknown(name)
-            given[name] = value
-        given = {name: value for name, value in given.items() if value is not None}
-        read = {array.name for array in self.arrays}
-        for name in given:
-            if name in LOADS and name not in read:
-                raise ArrayError(
-                    f"{name}: nothing in system {quoted(self.library.name)} takes it. Leave it out."
-                )
-        return given
-
-    def _unknown(self, name: str) -> ArrayError:
-        """Return the error that there is no argument of a name."""
-        known = (*self.positional, *self.named)
-        if name in ARGUMENTS or name == PARAMETERS:
-            return ArrayError(
-                f"{name}: {self.function} of system {quoted(self.library.name)} does not depend on it. Its "
-                f"arguments are {', '.join(known)}."
-            )
-        return ArrayError(f"{name}: there is no such argument. {did_you_mean(name, known)}")
 
     def _converted(self, array: Array, value: Any, dtype: np.dtype[Any]) -> Arrays:
         """Return an argument of the type of the library, (*lead, *shape)."""

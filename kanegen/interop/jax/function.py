@@ -38,13 +38,15 @@ class Function:
     @property
     def __signature__(self) -> inspect.Signature:
         """Names of the arguments, as `help` shows them."""
-        by_place = [inspect.Parameter(one, POSITIONAL, default=None) for one in self.arguments.positional]
-        by_name = [inspect.Parameter(one, KEYWORD, default=None) for one in self.arguments.named]
+        by_place = [
+            inspect.Parameter(one, POSITIONAL, default=None) for one in self.arguments.names.positional
+        ]
+        by_name = [inspect.Parameter(one, KEYWORD, default=None) for one in self.arguments.names.named]
         return inspect.Signature([*by_place, *by_name])
 
     def __repr__(self) -> str:
-        named = "".join(f", {name}=" for name in self.arguments.named)
-        return f"<Function {self.arguments.function}({', '.join(self.arguments.positional)}{named})>"
+        named = "".join(f", {name}=" for name in self.arguments.names.named)
+        return f"<Function {self.arguments.function}({', '.join(self.arguments.names.positional)}{named})>"
 
     def __call__(self, *values: Arrays, **named: Arrays) -> Any:
         """Return the result, (*lead, *shape), or a tuple of the results where there are several.

@@ -9,6 +9,7 @@ from kanegen.choices import did_you_mean, flag
 from kanegen.compiler import generate
 from kanegen.errors import ArrayError, ModelError, OptionError, quoted
 from kanegen.extras import TORCH, module
+from kanegen.interop.arguments import ArgumentNames
 from kanegen.interop.slopes import slopes, with_derivatives
 from kanegen.interop.torch.operators import Operator, Signature, Tensor, operators
 from kanegen.library import Library, load
@@ -100,9 +101,8 @@ class Function:
     def __init__(self, signature: Signature, operator: Operator, library: Library) -> None:
         """Keep the operator, and the library for the values of its parameters."""
         self._signature, self._operator = signature, operator
-        self._system = library.name
         self._usual = dict(library.parameters)
-        self._names = tuple(signature.inputs)
+        self._names = ArgumentNames.of(signature.name, library, tuple(signature.inputs))
 
     def __repr__(self) -> str:
         shapes = self._signature.inputs.items()
@@ -113,7 +113,7 @@ class Function:
         """Return the result, or a tuple of the results, each (*lead, *shape of one state).
 
         Args:
-            values: Arguments in the order of the C function; None stands for no load.
+            values: Arguments in the order of the method of `Library`; None stands for no load.
             named: Arguments by name. `parameters` are (*lead, P) run-time parameters in place of those of the
                 library, or tensors of some of them by name.
 
@@ -122,31 +122,10 @@ class Function:
             ModelError: If there is no parameter of a name.
             StatusError: See `Library.with_on_status`.
         """
-        given = self._bound(values, named)
-        tensors = [self._tensor(name, given.get(name)) for name in self._names]
+        given = self._names.bound(values, named)
+        tensors = [self._tensor(name, given.get(name)) for name in self._signature.inputs]
         results = self._operator(*tensors)
         return results[0] if len(results) == 1 else tuple(results)
-
-    def _bound(self, values: Sequence[Any], named: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values by name.
-
-        Raises:
-            ArrayError: If there are too many, one is passed twice, or there is no such argument.
-        """
-        known = self._names
-        positional = [name for name in known if name != PARAMETERS]
-        if len(values) > len(positional):
-            raise ArrayError(
-                f"{self._signature.name}: its arguments are {', '.join(positional)}, got {len(values)}."
-            )
-        given = dict(zip(positional[: len(values)], values, strict=True))
-        for name, value in named.items():
-            if name not in known:
-                raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, known)}")
-            if name in given:
-                raise ArrayError(f"{name}: it is passed twice.")
-            given[name] = value
-        return given
 
     def _tensor(self, name: str, value: Any) -> Tensor:
         """Return an argument as a tensor of the library's numbers, (*lead, *shape of one state)."""
