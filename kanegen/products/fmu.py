@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from kanegen.artifacts import fmi
+from kanegen.artifacts import ARTIFACTS, fmi
 from kanegen.artifacts.fmi.files import HEADERS
 from kanegen.c.provenance import with_provenance
 from kanegen.c.source import Source
@@ -63,8 +63,8 @@ def fmu(source: Source, version: int, platforms: Platforms) -> bytes:
         source = kg.generate(kg.load("models/double_pendulum.toml"), artifacts=["fmi3"])
         Path("double_pendulum.fmu").write_bytes(fmu(source, 3, chosen_platforms()))
     """
-    if refusal := fmi.refusal(source):
-        raise OptionError(f"fmi{version}: {refusal}")
+    if obstacle := ARTIFACTS[f"fmi{version}"].obstacle(source):
+        raise OptionError(f"fmi{version}: {obstacle}")
     vendored = {f"{_SOURCES}{header}" for header in HEADERS[version]}
     files: dict[str, bytes] = {
         path: (text if path in vendored else with_provenance(path, text)).encode()

@@ -74,15 +74,15 @@ class Description:
 
     @cached_property
     def _knowns(self) -> list[Variable]:
-        """The variables on which others depend at any time."""
-        kinds = ("input", "independent")
+        """The variables on which others depend at any time; FMI 2.0 does not count parameters among them."""
+        kinds = ("input", "independent", *(("parameter",) if self.version == 3 else ()))
         return [one for one in self.variables if one.causality in kinds or one.is_state]
 
     @cached_property
     def _initial_knowns(self) -> list[Variable]:
         """The variables on which others depend when a simulation begins."""
-        parameters = [one for one in self.variables if one.causality == "parameter"]
-        return [*self._knowns, *parameters]
+        kinds = ("input", "independent", "parameter")
+        return [one for one in self.variables if one.causality in kinds or one.is_state]
 
     @cached_property
     def _indices(self) -> dict[int, int]:
