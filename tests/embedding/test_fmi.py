@@ -23,6 +23,7 @@ from kanegen.reference.states import random_states
 from tests.support import prescribed_trees
 from tests.support.c_compilers import SANITIZERS, WARNINGS, C, run
 from tests.support.fmu import CALL_FAILED, CO_SIMULATION, MODEL_EXCHANGE, Instance
+from tests.support.pages import copy_of_checkout, fenced, run_console
 from tests.support.paths import ROOT
 from tests.support.random_trees import everything
 
@@ -620,3 +621,28 @@ def arguments(folder):
     """Arguments of the importers in C: the token, and the number of states."""
     description = fmpy.read_model_description(str(folder))
     return description.guid, str(len(description.derivatives))
+
+
+@pytest.mark.slow
+def test_the_page(tmp_path, monkeypatch):
+    folder = copy_of_checkout(tmp_path / "checkout")
+    monkeypatch.chdir(folder)
+    namespace = {}
+    for block in fenced("embedding/fmi"):
+        if block.language == "python" and not block.before.startswith("<!-- long"):
+            exec(block.text, namespace)
+        if block.language == "console":
+            run_console(block.text, folder)
+    assert namespace["result"]["time"][-1] == 1.0
+    values = ([0.1, 0.2, 0.3, 0.4], [0.0, 0.0], [9.81, 1.0, 1.0, 0.5, 0.7])
+    assert namespace["jacobian"](*values)[0].shape == (4, 4)
+    written = {path.name for path in (folder / "build" / "double_pendulum").iterdir()}
+    assert {"double_pendulum_fmi2.fmu", "double_pendulum_fmi3.fmu", "fmi2", "fmi3"} <= written
+    for version in VERSIONS:
+        path = folder / "build" / "double_pendulum" / f"double_pendulum_fmi{version}.fmu"
+        assert validate_fmu(str(path)) == []
+
+
+def test_a_motion_takes_at_most_five_lines():
+    first = next(block for block in fenced("embedding/fmi") if block.language == "python")
+    assert len([line for line in first.text.splitlines() if line]) <= 5
