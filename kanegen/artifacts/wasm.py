@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.artifacts.model_fields import model_fields
-from kanegen.c.description import ModelDescription
+from kanegen.artifacts.statuses import requirements
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import columns
@@ -51,11 +51,7 @@ def wasm(source: Source) -> dict[str, str]:
         "model": model,
         "arrays": _arrays(source, kinds),
         "methods": [_Method.of(function, kinds) for function in source.functions],
-        "conditions": {
-            function.name: json.dumps(_conditions(function, model))
-            for function in source.functions
-            if function.may_fail
-        },
+        "conditions": _conditions(source),
         "description": _fields(source),
         "shown": json.dumps(_shown(source.functions)),
         "held": _held(source.functions),
@@ -154,17 +150,14 @@ def _meaning(array: Array) -> str:
     return c_comment(f"[{lengths}] {array.doc} ({array.unit})")
 
 
-def _conditions(function: Function, model: ModelDescription) -> list[dict[str, Any]]:
-    """Return quantity and failure of the conditions of results, by the row of outputs from which they hold.
-
-    Negative rows are freedoms.
-    """
-    freedoms = {"first": -len(model.freedom_names) - 1, "quantity": function.quantity}
-    rows = [
-        {"first": one.first, "quantity": one.quantity, "failure": one.failure}
-        for one in function.row_conditions
-    ]
-    return [freedoms | {"failure": function.failure}, *rows]
+def _conditions(source: Source) -> dict[str, str]:
+    """Return the conditions of results of each function, those about later rows first and freedoms last."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for one in requirements(source):
+        first = -len(source.model.freedom_names) - 1 if one.first is None else one.first
+        condition = {"first": first, "quantity": one.quantity, "failure": one.failure, "loss": one.loss}
+        found.setdefault(one.function, []).append(condition)
+    return {name: json.dumps(conditions) for name, conditions in found.items()}
 
 
 def _shown(functions: Sequence[Function]) -> dict[str, list[tuple[str, int]]]:
