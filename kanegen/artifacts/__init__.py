@@ -19,6 +19,7 @@ from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
 from kanegen.artifacts.certificate import refusal as certificate_refusal
+from kanegen.artifacts.cpp import cpp
 from kanegen.artifacts.description import description
 from kanegen.artifacts.example import example
 from kanegen.artifacts.octave import octave
@@ -56,6 +57,7 @@ ARTIFACTS: dict[str, Artifact] = {
         Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, _not_in_c, is_default=True),
         Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
         Artifact("description", "Names the elements of arrays, and tells of them.", description, _not_in_c),
+        Artifact("cpp", "A class in C++17, in headers alone.", cpp, _not_in_c),
         Artifact("reanchoring", "Re-anchors joints at run time.", reanchoring, reanchoring_refusal),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
         Artifact(

@@ -35,8 +35,14 @@ def _variables(source: Source) -> Context:
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
         "parameters_by_state": source.parameters_by_state,
         "footprints": source.footprints,
+        "headers": [name for files in source.beside.values() for name in files if _is_header(name)],
         "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],
     }
+
+
+def _is_header(name: str) -> bool:
+    """Return whether a file is a header that programs include beside that of the model."""
+    return name.endswith((".h", ".hpp")) and "/" not in name
 
 
 def _shown(files: Iterable[str]) -> str:

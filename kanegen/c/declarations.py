@@ -82,8 +82,8 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
         function: The function.
         not_finite: Name of the status of a result that is not finite.
     """
-    rows = [_argument("[in]", array) for array in function.inputs]
-    rows += [_argument("[out]", array) for array in function.outputs]
+    rows = [argument_row("[in]", array) for array in function.inputs]
+    rows += [argument_row("[out]", array) for array in function.outputs]
     lines = columns(rows, width=WIDTH - len(" * "))
     names = " or ".join(array.name for array in function.outputs)
     infinite = f"{not_finite} where a number in {names} is infinite or NaN"
@@ -148,7 +148,8 @@ def _lengths(array: Array) -> str:
     return f"[{' * '.join(map(str, array.shape or (1,)))}]"
 
 
-def _argument(direction: str, array: Array) -> tuple[str, str, str, str]:
+def argument_row(direction: str, array: Array) -> tuple[str, str, str, str]:
+    """Return the row of a table of arguments: direction, name, lengths, meaning with unit."""
     return f"@param{direction}", array.name, _lengths(array), f"{array.doc} ({array.unit})"
 
 

@@ -48,15 +48,38 @@ def names_of_elements(array: Array, model: ModelDescription) -> tuple[Names, ...
     names = list(_axes(array, model))
     if array.name in DERIVATIVES:
         last = len(array.shape) - 1
-        names = [*names[:last], *([()] * (last - len(names))), _variables(array.name, model)]
+        names = [*names[:last], *([()] * (last - len(names))), _variables(array.name, model, array.shape[-1])]
     return tuple(_fitting(one, size) for one, size in zip_longest(names[: len(array.shape)], array.shape))
 
 
-def _variables(output: str, model: ModelDescription) -> Names:
-    """Return the names of the variables of an output that is a derivative, such as "x elbow"."""
-    names = {"x": model.coordinate_names, PARAMETERS: _parameters(model)}
-    by = (*DERIVATIVES[output].by, PARAMETERS)
-    return tuple(f"{one} {name}" for one in by for name in names.get(one, names_of_y(model)))
+def _variables(output: str, model: ModelDescription, size: int) -> Names:
+    """Return the names of the variables of an output that is a derivative, such as "x elbow".
+
+    Args:
+        output: Name of the output.
+        model: The model.
+        size: Number of variables, which tells whether the time is one of them.
+    """
+    derivative = DERIVATIVES[output]
+    by = (*derivative.by, *((PARAMETERS,) if derivative.by_parameters else ()))
+    names = [f"{one} {name}" for one in by for name in _names_of_input(one, model)]
+    return tuple(names if len(names) == size else [name for name in names if name != "t t"])
+
+
+def _names_of_input(array: str, model: ModelDescription) -> Names:
+    """Return a name for each element of an input, () for one that the model does not have."""
+    bodies = model.body_names if model.takes_loads else ()
+    points = [name for name, _ in model.points] if any(model.loaded_points) else []
+    tables = {
+        **dict.fromkeys(("force", "torque"), (bodies, AXES)),
+        **dict.fromkeys(("point_force", "point_moment"), (points, AXES)),
+        "prescribed": (MOTION, model.prescribed_names),
+    }
+    if array in tables:
+        rows, columns = tables[array]
+        return tuple(f"{row} {column}" for row in rows for column in columns)
+    named = {"x": model.coordinate_names, PARAMETERS: _parameters(model), "t": ("t",)}
+    return named.get(array, names_of_y(model))
 
 
 def _fitting(names: Sequence[str] | None, size: int) -> Names:
@@ -83,7 +106,7 @@ def _axes(array: Array, model: ModelDescription) -> tuple[Sequence[str], ...]:
         "frame_jacobians": (model.poses, WRENCH, speeds),
         "point_jacobians": (points, AXES, speeds),
     }
-    name = array.name.removesuffix("_derivatives")
+    name = array.name.removesuffix("_derivatives").removesuffix("_input")
     if name in named:
         return named[name]
     if name.startswith("point_"):

@@ -77,6 +77,7 @@ Outputs = Annotated[
     ),
 ]
 TARGETS = (
+    "cpp",
     "description",
     "reanchoring",
     "certificate",

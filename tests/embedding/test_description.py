@@ -9,33 +9,19 @@ import pytest
 
 import kanegen as kg
 from kanegen.artifacts.model_fields import model_fields
+from kanegen.c import description
 from kanegen.c.element_names import names_of_elements
 from kanegen.model.identifiers import RESERVED
-from kanegen.recursion.outputs import available
+from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS, available
 from tests.support import pages
 from tests.support.c_compilers import CPP, WARNINGS, C, code, run
 from tests.support.handmade import source as handmade
 from tests.support.paths import MODELS, ROOT
 from tests.support.prescribed_trees import tree as prescribed_tree
 from tests.support.random_trees import everything
+from tests.support.strange_names import strange
 
 SCHEMA = json.loads((ROOT / "docs" / "embedding" / "description.schema.json").read_text(encoding="utf-8"))
-INERTIA = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-TURN, MOVE = (False, False, True, False, False, False), (False, False, False, True, False, False)
-
-
-def strange():
-    """A system whose names are keywords, macros, equal in their letters, and of other scripts."""
-    mass = kg.Parameter("I", 2.0)
-    limits = kg.Limits.of({"theta3": {"position": (-1.5, 1.5), "effort": 87.0}})
-    bodies = (
-        kg.Body("左腿", 0, mass, INERTIA, joint=kg.Joint(free=TURN, name="for", limits=limits), loads=True),
-        kg.Body("a b", 1, 1.0, INERTIA, joint=kg.Joint(free=TURN, name='a*/"b\\')),
-        kg.Body("a_b", 2, 1.0, INERTIA, joint=kg.Joint(free=MOVE, name="errno")),
-    )
-    return kg.System("class", bodies).with_points({"右": ("左腿", (0, 0, 0)), "2": ("a_b", (1, 0, 0))})
-
-
 SYSTEMS = {
     "parameters": lambda: kg.load(MODELS / "double_pendulum.toml"),
     "quaternion": lambda: kg.load(MODELS / "satellite.toml"),
@@ -101,12 +87,21 @@ def compiled(source, text, folder, standards):
     return printed
 
 
+slow = pytest.mark.slow
 EVERYWHERE = [(C["gcc"], "c99"), (C["clang"], "c11"), (CPP["g++"], "c++98"), (CPP["clang++"], "c++20")]
 
 
 @pytest.mark.parametrize(
     ("name", "precision"),
-    [*((name, "double") for name in SYSTEMS), ("loads", "float"), ("parameters", "double-double")],
+    [
+        *((name, "double") for name in ("parameters", "strange")),
+        *(
+            pytest.param(name, "double", marks=slow)
+            for name in ("quaternion", "loads", "points", "everything")
+        ),
+        pytest.param("loads", "float", marks=slow),
+        pytest.param("parameters", "double-double", marks=slow),
+    ],
 )
 def test_members_lie_at_the_places_of_their_names(name, precision, tmp_path):
     source = generated(name, precision)
@@ -250,6 +245,17 @@ def test_names_of_elements_are_those_by_which_results_are_read():
     assert names_of_elements(arrays["body_poses"], source.model) == (system.pose_names, (), ())
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_every_column_of_derivatives_has_the_name_of_its_variable(seed):
+    system = everything(seed, 3)
+    model = description(system)
+    for name in set(available(system)).intersection(DERIVATIVES):
+        *_, columns = names_of_elements(OUTPUTS[name].array(system), model)
+        parts = DERIVATIVES[name].columns_of(system)
+        assert len(columns) == max(part.stop for part in parts.values())
+        assert all({one.split()[0] for one in columns[part]} == {by} for by, part in parts.items())
+
+
 def test_code_without_a_system_has_a_description_too():
     jsonschema.validate(json.loads(json.dumps(model_fields(handmade()))), SCHEMA)
 
@@ -261,6 +267,7 @@ def test_members_of_strange_names_are_identifiers():
     assert not set(found) & RESERVED["c"]
 
 
+@pytest.mark.slow
 def test_the_page_runs(tmp_path):
     folder = pages.copy_of_checkout(tmp_path)
     for block in pages.fenced("embedding/description"):

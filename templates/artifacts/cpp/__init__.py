@@ -1,0 +1,1 @@
+"""Templates of the artifacts that stand beside generated code."""
