@@ -97,7 +97,9 @@ def _packages() -> dict[str, Package]:
     return {
         package.module: package
         for package in (
+            Package("fmu_manipulation_toolbox", "fmi-importers", "fmu-manipulation-toolbox"),
             Package("jax", "jax"),
+            Package("libcosimpy", "fmi-importers"),
             Package("numba", "numba"),
             Package("torch", "torch"),
         )

@@ -43,9 +43,13 @@ class Description:
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
-        """The variables; those of FMI 2.0 are single numbers."""
+        """The variables; those of FMI 2.0 are single numbers, and the time is one only where it matters."""
         found = self.layout.variables
-        return found if self.version == 3 else tuple(one for each in found for one in each.elements())
+        if self.version == 3:
+            return found
+        time, *others = found
+        matters = any(self.structure.knowns(one, [time]) for one in others)
+        return tuple(one for each in ([time] * matters + others) for one in each.elements())
 
     def context(self) -> Mapping[str, Any]:
         """Return the variables of the template."""
