@@ -68,6 +68,18 @@ def test_mpc_swings_the_pole_up_on_a_short_rail() -> None:
     assert np.abs(forces).max() < mpc.LARGEST_FORCE + 1e-6
 
 
+def test_the_kalman_filter_finds_the_angle_that_is_not_measured(tmp_path: Path) -> None:
+    ekf = example("ekf_double_pendulum")
+    assert len(ekf.FILTER.read_text().splitlines()) <= 100
+    states = ekf.truth(system := kg.load(ekf.MODEL))
+    found = ekf.estimates(ekf.run_here(tmp_path, ekf.write_sources(system, states, tmp_path)))
+    errors = found[200:, :4] - states[200:]
+    assert abs(found[0, 1] - states[0, 1]) == pytest.approx(0.4)
+    assert np.sqrt(np.mean(errors**2, axis=0)) == pytest.approx([0.004, 0.026, 0.028, 0.098], rel=0.1)
+    # The error is within the deviations that the filter states, as often as of a normal distribution or more.
+    assert np.mean(np.abs(errors[:, 1]) < 3 * np.sqrt(found[200:, 4])) > 0.99
+
+
 @pytest.mark.slow
 def test_computed_torque_follows_a_motion_more_closely_than_springs() -> None:
     errors = example("computed_torque_panda").motions()

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
+"""Folder of the C of boards."""
 
 GCC = "arm-none-eabi-gcc"
 QEMU = "qemu-system-arm"
@@ -90,16 +91,16 @@ def compile_for(
     program = folder / "program.elf"
     memory = {"FLASH": board.flash, "RAM": board.ram, "STACK": STACK}
     symbols = [f"-Wl,--defsym={name}={value}" for name, value in memory.items()]
-    link = ["-nostartfiles", "-T", str(HERE / "cortex_m.ld"), "-Wl,--gc-sections", *symbols, "-lm"]
-    sources = [str(HERE / "cortex_m.c"), *map(str, files)]
-    _run([GCC, *board.flags, *_C, *flags, f"-I{HERE}", *sources, *link, "-o", program.name], folder)
+    link = ["-nostartfiles", "-T", str(FOLDER / "cortex_m.ld"), "-Wl,--gc-sections", *symbols, "-lm"]
+    sources = [str(FOLDER / "cortex_m.c"), *map(str, files)]
+    _run([GCC, *board.flags, *_C, *flags, f"-I{FOLDER}", *sources, *link, "-o", program.name], folder)
     return program
 
 
 def compile_here(folder: Path, files: Iterable[Path | str], flags: Sequence[str] = ("-O2",)) -> Path:
     """Compile the same for this machine."""
-    sources = [str(HERE / "host.c"), *map(str, files)]
-    _run(["gcc", *_C, *flags, f"-I{HERE}", *sources, "-lm", "-o", "program"], folder)
+    sources = [str(FOLDER / "host.c"), *map(str, files)]
+    _run(["gcc", *_C, *flags, f"-I{FOLDER}", *sources, "-lm", "-o", "program"], folder)
     return folder / "program"
 
 

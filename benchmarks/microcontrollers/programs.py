@@ -74,7 +74,9 @@ REPEATS = 200
 """Calls over which instructions are counted."""
 
 
-def program_of_costs(source: Source, states: Mapping[str, np.ndarray], function: str) -> str:
+def program_of_costs(
+    source: Source, states: Mapping[str, np.ndarray], function: str, is_called: bool = True
+) -> str:
     """Return a program that prints the stack of a function, and the ticks of `REPEATS` calls.
 
     These are those of twice as many calls less those of as many, with the loop around them.
@@ -83,9 +85,10 @@ def program_of_costs(source: Source, states: Mapping[str, np.ndarray], function:
         source: The code.
         states: As for `program_of_bits`; the first row is the state.
         function: Name of the function.
+        is_called: Whether the program calls it; without the call it shows what the rest of the program takes.
     """
     (chosen,) = _chosen(source, [function])
-    call = _call(source, chosen, "0")
+    call = _call(source, chosen, "0") if is_called else "0"
     lines = [HEAD.format(model=source.model.name), *_constants(source, states), *_results(source, [chosen])]
     lines += [
         "static volatile int status;",

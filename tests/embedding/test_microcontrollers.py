@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 import shlex
@@ -14,6 +15,7 @@ import pytest
 import kanegen as kg
 from benchmarks.microcontrollers.boards import (
     BOARDS,
+    FOLDER,
     GCC,
     Board,
     compile_for,
@@ -27,7 +29,7 @@ from kanegen.errors import OptionError
 from tests.support.c_compilers import CPP, WARNINGS, C, run
 from tests.support.command import kanegen
 from tests.support.pages import blocks, copy_of_checkout, files
-from tests.support.paths import MODELS, PENDULUM
+from tests.support.paths import MODELS, PENDULUM, ROOT
 from tests.support.stack_usage import calls, deepest, frames
 from tests.support.systems import chain
 
@@ -273,6 +275,41 @@ def test_gcc_for_arm_keeps_to_the_memory_of_the_readme(model: str, precision: st
                     level,
                 )
                 assert level != "-Os" or code[one.name] <= 1.5 * one.code, (one, board.name)
+
+
+@pytest.mark.embed("arm-none-eabi-gcc", "qemu-system-arm")
+def test_the_kalman_filter_runs_on_a_cortex_m4f_with_the_same_bits(tmp_path: Path) -> None:
+    ekf = importlib.import_module("examples.ekf_double_pendulum")
+    sources = ekf.write_sources(system := kg.load(ekf.MODEL), ekf.truth(system), tmp_path)
+    here = ekf.run_here(tmp_path, sources)
+    board = BOARDS["Cortex-M4F"]
+    program = compile_for(board, tmp_path, (*sources, FOLDER / "newlib.c"))
+    assert run_on(board, program) == here
+    assert len(here.splitlines()) == len(ekf.TIMES)
+
+
+STEPS = (
+    "step_rk4",
+    "rollout_rk4",
+    "step_rk4_derivatives",
+    "step_implicit_midpoint",
+    "step_linearly_implicit",
+)
+
+
+@pytest.mark.embed("cppcheck")
+def test_the_code_deviates_from_exactly_the_listed_rules_of_misra(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "embedding" / "misra.md").read_text()
+    listed = re.findall(r"^\| ([\d.]+) \| (?:required|advisory) \|", page, re.MULTILINE)
+    options = ("--addon=misra", "--enable=style", "--quiet", "--std=c99", "--template={id}")
+    found: set[str] = set()
+    for model in ("furuta_pendulum", "loads"):
+        source = source_of(model, ("mass_matrix", "forward_dynamics", *STEPS))
+        folder = source.write(tmp_path / model)
+        command = ["cppcheck", *options, f"{source.model.name}.c"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+        found.update(re.findall(r"^misra-c2012-([\d.]+)$", done.stderr, re.MULTILINE))
+    assert sorted(found) == sorted(listed)
 
 
 @pytest.mark.embed("avr-gcc", "simavr")
