@@ -445,6 +445,25 @@ def test_five_lines_are_enough():
 
 
 @pytest.mark.slow
+def test_states_of_a_batch_have_parameters_of_their_own(tmp_path):
+    system = SYSTEMS["parameters"]()
+    source = kg.generate(system, ("forward_dynamics",), artifacts="cpp", parameters_by_state=True)
+    body = """
+    std::vector<double> parameters(object.parameters().begin(), object.parameters().end());
+    parameters.insert(parameters.end(), parameters.begin(), parameters.end());
+    parameters[5 + pendulum::parameter::m2] = 0.75;
+    std::vector<double> prepared(2*DOUBLE_PENDULUM_PREPARED), two{0.3, -0.2, 0.3, -0.2}, zero(4), found(4);
+    say(object.prepare_batch(parameters, prepared));
+    say(object.forward_dynamics_batch(prepared, two, zero, zero, found));
+    say(found[0] == object.forward_dynamics(x, tau, tau)[0]);
+    (void)object.set_parameter(pendulum::parameter::m2, 0.75);
+    say(found[2] == object.forward_dynamics(x, tau, tau)[0]);
+    return 0;
+    """
+    assert compiled(source, HEAD + MAIN % body, tmp_path).split() == ["0", "0", "1", "1"]
+
+
+@pytest.mark.slow
 def test_cmake_installs_the_headers_too(tmp_path):
     generated("parameters").write(tmp_path / "c")
     folder, prefix = tmp_path / "c", tmp_path / "installed"

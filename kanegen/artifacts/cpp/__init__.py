@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from kanegen.artifacts.cpp.methods import Method, RolloutMethod
+from kanegen.artifacts.cpp.methods import Batch, Method, RolloutMethod
 from kanegen.artifacts.cpp.tables import places, row_names, sizes, tables
 from kanegen.c.formats import formats
 from kanegen.c.interface import PREPARE
@@ -40,6 +40,11 @@ def cpp(source: Source) -> dict[str, str]:
         sizes=sizes(source),
         places=places(source),
         tables=list(tables(source, kinds)),
+        prepare_batch=[
+            Batch(function, model.name, kinds)
+            for function in source.functions
+            if function.name == PREPARE and function.has_batch
+        ],
         rollouts=[RolloutMethod.of(rollout, source, kinds) for rollout in source.rollouts],
         methods=[Method.of(function, source, kinds) for function in functions],
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from kanegen.c.declarations import argument_row
 from kanegen.c.formats import Formats
-from kanegen.c.interface import Function
+from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, HINGE, WIDTH, columns, wrap
 from kanegen.c.source import Source
 from kanegen.c.steps import Rollout
@@ -99,7 +99,9 @@ class Batch:
         kinds = self.kinds
         arguments = [f"rows<const {kinds.of(a.name).c_type}, {a.size}> {a.name}" for a in self.own]
         arguments += [f"rows<{kinds.of(a.name).c_type}, {a.size}> {a.name}" for a in self.function.outputs]
-        return _prototype("[[nodiscard]] ::std::size_t", f"{self.function.name}_batch", arguments)
+        is_static = self.function.name == PREPARE  # which reads nothing of the object
+        kind = "[[nodiscard]] static ::std::size_t" if is_static else "[[nodiscard]] ::std::size_t"
+        return _prototype(kind, f"{self.function.name}_batch", arguments, "" if is_static else " const")
 
     @property
     def body(self) -> list[str]:
@@ -146,8 +148,8 @@ def _address(array: Array) -> str:
     return f"{array.name}.data()" if array.shape else f"&{array.name}"
 
 
-def _prototype(kind: str, name: str, arguments: Sequence[str]) -> list[str]:
-    text = f"{kind} {name}({f',{BREAK}'.join(arguments)}) const"
+def _prototype(kind: str, name: str, arguments: Sequence[str], ends: str = " const") -> list[str]:
+    text = f"{kind} {name}({f',{BREAK}'.join(arguments)}){ends}"
     return [line[_INDENT:] for line in wrap(text, indent=" " * _INDENT, hanging=" " * 2 * _INDENT)]
 
 
