@@ -239,6 +239,13 @@ def test_what_does_not_fit_says_so(torch: Any, pendulum: Any) -> None:
         pendulum.forward_dynamics(x.to("meta"), x)
     with pytest.raises(ArrayError, match=r"x: expected shape \(\.\.\., 2\), got \(3,\)"):
         pendulum.forward_dynamics(numbers(torch, 3), x)
+    for wrong in ("a", [[1.0, 2.0], [3.0]], torch.ones(2) * 1j):
+        with pytest.raises(ArrayError, match="y: expected real numbers"):
+            pendulum.forward_dynamics(x, wrong)
+    with pytest.raises(ArrayError, match="leading dimensions do not broadcast"):
+        pendulum.forward_dynamics(numbers(torch, 3, 2), numbers(torch, 4, 2))
+    with pytest.raises(OptionError, match=r"PyTorch follows motions by steps.*Take step_rk4"):
+        made("double_pendulum", "rollout_rk4")
     with pytest.raises(ArrayError, match="y: missing"):
         pendulum.forward_dynamics(x)
     with pytest.raises(ArrayError, match="y: passed twice"):

@@ -18,7 +18,7 @@ from kanegen.model.arguments import MODEL_DEPENDENT, OPTIONAL, STEP, required
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
 from kanegen.program.ir import PARAMETERS
-from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS, RATES
+from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS, RATES, chosen
 from kanegen.recursion.outputs.integrators import ROLLOUT
 
 torch = module("torch", extra=TORCH)
@@ -72,7 +72,13 @@ def functions(
         raise OptionError(
             f"functions: {quoted(model)} is no system and no library. Give what kg.load returns."
         )
-    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    asked = chosen(outputs, INTEGRATORS)
+    for name in asked:
+        if name.startswith(ROLLOUT):
+            raise OptionError(
+                f"output {quoted(name)}: PyTorch follows motions by steps, which it can differentiate. Take "
+                f"{INTEGRATORS[name].functions[0]}."
+            )
     every = with_derivatives(model, asked) if flag("derivatives", derivatives) else asked
     source = generate(
         model,
@@ -139,7 +145,7 @@ class Function:
             words = {"count": shape[-1] if shape else 1, "prescribed": "the prescribed freedoms"}
             required(name, value, meaning.format(**words))
         if not isinstance(value, torch.Tensor) or not value.is_floating_point():
-            value = torch.as_tensor(value, dtype=dtype)
+            value = _numbers(name, value, dtype)
         if value.dtype != dtype:
             other = '"float"' if value.dtype == torch.float32 else '"double"'
             raise ArrayError(
@@ -164,12 +170,29 @@ class Function:
         if value is None:
             return torch.tensor([*self._usual.values()], dtype=dtype)
         if not isinstance(value, Mapping):
-            return value
+            return _numbers(PARAMETERS, value, dtype)
         for name in value:
             if name not in self._usual:
                 raise ModelError(f"unknown parameter {quoted(name)}. {did_you_mean(name, self._usual)}")
-        columns = [torch.as_tensor(value.get(one, usual), dtype=dtype) for one, usual in self._usual.items()]
+        columns = [_numbers(one, value.get(one, usual), dtype) for one, usual in self._usual.items()]
         return torch.stack(torch.broadcast_tensors(*columns), dim=-1)
+
+
+def _numbers(name: str, value: Any, dtype: Any) -> Tensor:
+    """Return a value as a tensor of real numbers.
+
+    Raises:
+        ArrayError: If it holds anything else, or rows of different lengths.
+    """
+    try:
+        found = value if isinstance(value, torch.Tensor) else torch.as_tensor(value, dtype=torch.float64)
+    except (TypeError, ValueError, RuntimeError):
+        raise ArrayError(
+            f"{name}: expected real numbers in rows of one length, got {quoted(value)}."
+        ) from None
+    if found.is_complex() or found.dtype == torch.bool:
+        raise ArrayError(f"{name}: expected real numbers, got {found.dtype}.")
+    return found.to(dtype)
 
 
 class Functions:
