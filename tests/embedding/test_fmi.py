@@ -1,6 +1,7 @@
 """FMUs for FMI 2.0 and 3.0 in FMPy and CasADi: valid, the numbers of the library, and what attacks them."""
 
 import itertools
+import re
 import shutil
 import subprocess
 import sys
@@ -454,6 +455,23 @@ def test_wrong_calls_end_in_an_error_and_a_message(made, version, kind):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
+def test_a_step_that_fails_keeps_the_last_state_and_says_why(made, version):
+    with made.instance(system_of("double_pendulum"), version, CO_SIMULATION) as one:
+        one.initialize({"x.q1": 0.1})
+        one.step(0.0, 0.1)
+        before = one.get(["x.q1", "x.q2", "y.q1", "y.q2"])
+        one.set({"tau.q1": 1e305})
+        with pytest.raises(CALL_FAILED):
+            one.step(0.1, 0.1)
+        assert one.log[-1][:2] == (2, "logStatusDiscard")
+        assert "step_rk4: a result is infinite or NaN" in one.log[-1][2]
+        assert np.array_equal(one.get(["x.q1", "x.q2", "y.q1", "y.q2"]), before)
+        one.set({"tau.q1": 0.0})
+        one.step(0.1, 0.1)
+        assert np.isfinite(one.get(["x.q1", "kinetic_energy"])).all()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
 def test_null_pointers_and_foreign_tokens_are_refused(made, version):
     with made.instance(system_of("double_pendulum"), version) as one:
         calls = one.fmu
@@ -557,7 +575,11 @@ def test_sources_compile_without_warnings(made, name, version, compiler, tmp_pat
     sources = tmp_path / "sources"
     named = [f"fmi{version}.c", f"{name}_fmu.c"]
     assert {path.name for path in sources.glob("*.c")} == {*named, f"{name}.c"}
-    run(*C[compiler], "-std=c99", "-O1", *OWN_WARNINGS, "-fsyntax-only", *named, folder=sources)
+    run(*C[compiler], "-std=c99", "-O1", "-fno-pie", *OWN_WARNINGS, "-c", *named, folder=sources)
+    symbols = run("nm", *(f"{Path(file).stem}.o" for file in named), folder=sources)
+    assert not re.findall(
+        r"^[0-9a-f]* [bBdDC] .*", symbols, re.MULTILINE
+    )  # no variable is shared by instances
 
 
 @pytest.mark.slow

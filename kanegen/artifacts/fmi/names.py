@@ -8,7 +8,7 @@ from kanegen.model.quoting import shortened
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
-_OUTSIDE = re.compile(r"""[^A-Za-z0-9_!$&()*+,\-./:;<>=@\[\]^{}|~ ]""")
+_OUTSIDE = re.compile(r"""[^A-Za-z0-9_!$&()*+,\-./:;<>=@\[\]^|~ ]""")
 """Characters that the convention does not allow between apostrophes, or that C or a log reads otherwise."""
 
 
