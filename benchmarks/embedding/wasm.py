@@ -6,7 +6,7 @@ import json
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import numpy as np
 
 import kanegen as kg
 from benchmarks.embedding.alone import in_c
+from benchmarks.embedding.answering import Turns, answering
 from benchmarks.embedding.row import SECONDS, Row, in_turns
 from kanegen.artifacts.wasm import FOLDER
 from kanegen.c.folder import write
@@ -81,10 +82,8 @@ def measure() -> list[Row]:
 
 
 @contextmanager
-def _turns(
-    node: str, source: kg.Source, name: str, inputs: list[np.ndarray]
-) -> Iterator[Callable[[str], Callable[[], float]]]:
-    """Run a script in Node.js, and yield a function from the name of a call to one that runs a turn of it."""
+def _turns(node: str, source: kg.Source, name: str, inputs: list[np.ndarray]) -> Iterator[Turns]:
+    """Run a script in Node.js, and yield its turns."""
     text = SCRIPT.format(
         model=source.model.name,
         name=name,
@@ -95,12 +94,5 @@ def _turns(
         write({**source.files, **compiled_files(source, ["wasm"])}, Path(folder) / "code")
         package = Path(folder, "code", FOLDER)
         (package / "turns.mjs").write_text(text, encoding="utf-8")
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
-        with subprocess.Popen([node, "turns.mjs"], cwd=package, **pipes) as process:
-
-            def turn(call: str) -> float:
-                process.stdin.write(f"{call}\n")
-                return float(process.stdout.readline())
-
-            yield lambda call: lambda: turn(call)
-            process.stdin.close()
+        with answering([node, "turns.mjs"], package) as turns:
+            yield turns

@@ -287,6 +287,7 @@ const mwSize *mxGetDimensions(const mxArray *);
 mwSize mxGetNumberOfDimensions(const mxArray *);
 size_t mxGetNumberOfElements(const mxArray *), mxGetM(const mxArray *), mxGetN(const mxArray *);
 void *mxGetData(const mxArray *), *mxCalloc(size_t, size_t), mxFree(void *);
+mxClassID mxGetClassID(const mxArray *);
 mxArray *mxCreateNumericArray(mwSize, const mwSize *, mxClassID, mxComplexity);
 void mexFunction(int, mxArray *[], int, const mxArray *[]);
 void mexErrMsgIdAndTxt(const char *, const char *, ...), mexWarnMsgIdAndTxt(const char *, const char *, ...);

@@ -370,6 +370,17 @@ def test_no_line_of_documentation_becomes_a_list_or_a_link() -> None:
     assert all(line.startswith("///   ") and not line.startswith("///   - ") for line in lines[1:])
 
 
+def test_columns_of_derivatives_are_those_of_the_library() -> None:
+    system = kg.load(MODELS / "cart_pole.toml")
+    library = kg.build(system, [name for name in available(system) if name.endswith("_derivatives")])
+    text = kg.generate(system, library.source.outputs, artifacts="rust").files["rust/src/columns.rs"]
+    modules = dict(re.findall(r"pub mod (\w+) \{(.*?)^\}", text, flags=re.M | re.S))
+    for name in library.source.outputs:
+        parts = re.findall(r"pub const (\w+): Range<usize> = (\d+)\.\.(\d+);", modules[name])
+        found = {by.lower(): slice(int(first), int(last)) for by, first, last in parts}
+        assert found == library.derivative_columns(name), name
+
+
 def test_the_same_bytes_again() -> None:
     assert source_of("satellite").files == source_of("satellite").files
 

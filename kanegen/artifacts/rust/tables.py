@@ -176,14 +176,12 @@ def _struct(
 
 def columns(source: Source) -> list[tuple[str, list[tuple[str, int, int]]]]:
     """Return the columns of each array of derivatives: name of the variables, first and behind the last."""
-    model = source.model
-    sizes = len(model.coordinate_names), len(model.freedom_names), len(model.parameters)
     arrays = dict.fromkeys(array.name for one in source.functions for array in one.outputs)
     found = []
     for name in arrays:
         output = "forward_dynamics_derivatives" if name == DERIVATIVES_OF_STEP else name
-        if output in DERIVATIVES:
-            parts = DERIVATIVES[output].columns(*sizes).items()
+        if output in DERIVATIVES and source.system is not None:
+            parts = DERIVATIVES[output].columns_of(source.system).items()
             found.append((name, [(by.upper(), part.start, part.stop) for by, part in parts]))
     return found
 
