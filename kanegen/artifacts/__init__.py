@@ -57,8 +57,14 @@ ARTIFACTS: dict[str, Artifact] = {
         Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, _not_in_c, is_default=True),
         Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
         Artifact("description", "Names the elements of arrays, and tells of them.", description, _not_in_c),
-        Artifact("cpp", "A class in C++17, in headers alone.", cpp, _not_in_c),
-        Artifact("reanchoring", "Re-anchors joints at run time.", reanchoring, reanchoring_refusal),
+        Artifact("cpp", "A class in C++17, in headers alone.", cpp, _not_in_c, usual_outputs=motion),
+        Artifact(
+            "reanchoring",
+            "Re-anchors joints at run time.",
+            reanchoring,
+            reanchoring_refusal,
+            precision="double",
+        ),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
         Artifact(
             "arduino", "Is a library for microcontrollers.", arduino, arduino_refusal, precision="float"
@@ -68,6 +74,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "External functions of CasADi, with Jacobians.",
             casadi,
             casadi_refusal,
+            precision="double",
             usual_outputs=usual_outputs,
         ),
         Artifact(
@@ -90,6 +97,7 @@ ARTIFACTS: dict[str, Artifact] = {
             fmi.fmi2,
             fmi.refusal,
             outputs=fmi.needed_outputs,
+            precision="double",
             usual_outputs=fmi.usual_outputs,
         ),
         Artifact(
@@ -98,6 +106,7 @@ ARTIFACTS: dict[str, Artifact] = {
             fmi.fmi3,
             fmi.refusal,
             outputs=fmi.needed_outputs,
+            precision="double",
             usual_outputs=fmi.usual_outputs,
         ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),

@@ -141,6 +141,12 @@ def test_two_artifacts_with_different_precisions(targets):
         kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=["rust", "wide"])
 
 
+@pytest.mark.parametrize("other", ["casadi", "fmi2", "fmi3"])
+def test_targets_that_have_doubles_alone_do_not_go_with_one_in_float(other):
+    with pytest.raises(OptionError, match=f"arduino takes float and {other} takes double"):
+        kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=["arduino", other])
+
+
 def test_an_unknown_precision_of_an_artifact():
     with pytest.raises(OptionError, match="unknown precision 'flot'"):
         Artifact("rust", "Calls two outputs.", names_of, precision="flot")
