@@ -14,7 +14,7 @@ from kanegen.errors import MissingError, OptionError
 from kanegen.interop import casadi
 from kanegen.reference import equations as reference
 from tests.support import pages
-from tests.support.casadi_functions import CASES, SYSTEMS, made
+from tests.support.casadi_functions import CASES, SYSTEMS, by_reference, made
 from tests.support.paths import MODELS
 
 WARNINGS = "-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
@@ -271,21 +271,6 @@ def test_a_swing_up_converges_with_exact_derivatives_and_keeps_the_equations():
     np.testing.assert_allclose(path[-1], 0.0, atol=1e-6)
 
 
-def by_reference(system, state, force, length):
-    """Return the state after a step by the classical method of Runge and Kutta, with [A] and {f} in NumPy."""
-    tau = np.array([force if name == "cart_position" else 0.0 for name in system.freedom_names])
-
-    def rates(state):
-        A, f = reference.mass_matrix(system, state[:2]), reference.forcing(system, state[:2], state[2:])
-        return np.concatenate([state[2:], np.linalg.solve(A, f + tau)])
-
-    k1 = rates(state)
-    k2 = rates(state + length / 2 * k1)
-    k3 = rates(state + length / 2 * k2)
-    k4 = rates(state + length * k3)
-    return state + length / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-
-
 def test_c_that_casadi_generates_calls_the_functions(tmp_path, monkeypatch):
     """As for acados: explicit dynamics, their Jacobian and an adjoint, with `int` as CasADi's integers."""
     system = SYSTEMS["parameters"]()
@@ -336,6 +321,8 @@ def test_the_page(tmp_path, monkeypatch):
     monkeypatch.chdir(pages.copy_of_checkout(tmp_path))
     names = {}
     for block in pages.fenced("embedding/casadi"):
+        if block.file:
+            continue  # tests/embedding/test_acados.py runs it
         if block.language == "python":
             exec(compile(block.text, "casadi.md", "exec"), names)
         else:
