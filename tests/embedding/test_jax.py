@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,10 +25,10 @@ import kanegen as kg
 from kanegen.errors import ArrayError, KanegenWarning, ModelError, OptionError
 from kanegen.interop.slopes import slopes
 from kanegen.library.native.build import write
+from kanegen.model.arguments import LOADS
 from kanegen.options import Variant
 from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS, available
 from tests.support.c_compilers import WARNINGS, C, run
-from tests.support.cases import slow_except
 from tests.support.complex_steps import STEP, dynamics, rates_of
 from tests.support.pages import blocks
 from tests.support.paths import MODELS, ROOT
@@ -124,32 +125,62 @@ OF_EVERY_KIND = (
 """Outputs with results of every number of axes, which read all arrays that there are."""
 
 
-@pytest.mark.parametrize("seed", slow_except(range(4), 0))
+def inputs(function: Any, library: kg.Library, system: kg.System, count: int) -> dict[str, Any]:
+    """Return random values of all arrays that a function reads, in some states; loads where they may act."""
+    rng = np.random.default_rng(count)
+    given = {array.name: rng.uniform(-1, 1, (count, *array.shape)) for array in function.arguments.arrays}
+    for load, kind in LOADS.items():
+        for row in library.source.model.unloaded(kind) if load in given else ():
+            given[load][:, row] = 0.0
+    if "parameters" in given:
+        given["parameters"] = np.array([[*other_parameters(system, k).values()] for k in range(count)])
+    return given
+
+
+@pytest.mark.parametrize("seed", range(4))
 def test_outputs_of_random_trees_have_the_bits_of_numpy(seed: int, jax: Any) -> None:
     system = everything(seed, 2)
     names = [name for name in OF_EVERY_KIND if name in available(system)]
     found = functions(system, names, derivatives=False, flags="-O0 -ffp-contract=off", on_status="ignore")
-    library, rng = found.library.with_on_status("ignore"), np.random.default_rng(seed)
-    sets = np.array([[*other_parameters(system, k).values()] for k in range(3)])
+    library = found.library
     for name in names:
         function = getattr(found, name)
-        given = {array.name: rng.uniform(-1, 1, (3, *array.shape)) for array in function.arguments.arrays}
-        for load, kind in (
-            ("force", "body"),
-            ("torque", "body"),
-            ("point_force", "point"),
-            ("point_moment", "point"),
-        ):
-            for row in library.source.model.unloaded(kind) if load in given else ():
-                given[load][:, row] = 0.0
-        if "parameters" in given:
-            given["parameters"] = sets
+        given = inputs(function, library, system, 3)
         expected = getattr(library, name)(**given)
         np.testing.assert_array_equal(jax.vmap(lambda a, f=function: f(**a))(given), expected, err_msg=name)
         one = {key: value[1] for key, value in given.items()}
         np.testing.assert_array_equal(
             jax.jit(lambda a, f=function: f(**a))(one), getattr(library, name)(**one)
         )
+
+
+DIFFERENTIATED = ("forward_dynamics", "inverse_dynamics", "kinetic_energy", "frame_velocities")
+"""Outputs with derivatives of each kind: by inputs from outside, by a factor, of a scalar, of matrices."""
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_derivatives_of_random_trees_are_those_of_differences(seed: int, jax: Any) -> None:
+    system = everything(seed, 2)
+    found = functions(system, DIFFERENTIATED, flags="-O0 -ffp-contract=off", on_status="ignore")
+    for name in DIFFERENTIATED:
+        function = getattr(found, name)
+        given = {key: value[0] for key, value in inputs(function, found.library, system, 1).items()}
+        known = {column for one in slopes(name, found.library.source) for column in one.columns}
+        assert known.issuperset(given) or name == "frame_velocities"
+        for key in known.intersection(given):
+            along = np.random.default_rng(seed).uniform(-1, 1, given[key].shape) * (given[key] != 0)
+            line = partial(moved, function, given, key, along)
+            _, slope = jax.jvp(line, (0.0,), (1.0,))
+            # Differences of fourth order: rounding errors of 1e-16 / h, and h**4 times high derivatives.
+            h = 1e-4
+            right = (8 * (line(h) - line(-h)) - (line(2 * h) - line(-2 * h))) / (12 * h)
+            scale = np.abs(right).max() + np.abs(line(0.0)).max()
+            np.testing.assert_allclose(slope, right, rtol=0, atol=1e-8 * scale, err_msg=f"{name} by {key}")
+
+
+def moved(function: Any, given: dict[str, Any], key: str, along: Any, h: Any) -> Any:
+    """Return the result of a function for an input that is moved along a direction."""
+    return function(**given | {key: given[key] + h * along})
 
 
 def test_subnormal_numbers_are_kept(pendulum: Any, jax: Any) -> None:
@@ -522,6 +553,20 @@ def test_wrong_arguments(pendulum: Any, given: Any, error: type[Exception], mess
 def test_wrong_named_arguments(pendulum: Any, given: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         pendulum.forward_dynamics(np.zeros(2), np.zeros(2), **given)
+
+
+def test_lists_of_traced_numbers(pendulum: Any, jax: Any) -> None:
+    found = jax.grad(lambda q: pendulum.forward_dynamics([q, 0.2], [0.0, q]).sum())(0.3)
+    rows = jax.jacfwd(lambda x, y: pendulum.forward_dynamics(x, y).sum(), (0, 1))(
+        *np.array([[0.3, 0.2], [0.0, 0.3]])
+    )
+    assert float(found) == pytest.approx(float(rows[0][0] + rows[1][1]), rel=1e-14)
+    with pytest.raises(ArrayError, match="x: the rows have different lengths, or are no numbers"):
+        jax.grad(lambda q: pendulum.forward_dynamics([q, [0.2]], [0.0, q]).sum())(0.3)
+    with pytest.raises(ArrayError, match="x: masked arrays have no meaning here"):
+        pendulum.forward_dynamics(np.ma.masked_array(np.zeros(2), [True, False]), np.zeros(2))
+    with pytest.raises(ArrayError, match=r"x: expected real numbers, got an array of bool"):
+        pendulum.forward_dynamics(jax.numpy.zeros(2) > 0, np.zeros(2))
 
 
 def test_wrong_motions(pendulum: Any, satellite: Any) -> None:

@@ -15,7 +15,7 @@ from kanegen.interop.arguments import ArgumentNames
 from kanegen.interop.jax.calls import Arrays
 from kanegen.interop.jax.facade import require_numbers
 from kanegen.library import Library
-from kanegen.model.arguments import MODEL_DEPENDENT, OPTIONAL, STEP, required
+from kanegen.model.arguments import MODEL_DEPENDENT, OPTIONAL, STEP, floats, required
 from kanegen.program.ir import PARAMETERS, Array
 
 jax = module("jax", "jaxlib", extra=JAX)
@@ -110,15 +110,17 @@ class Arguments:
 
 
 def _numbers(name: str, value: Any, dtype: np.dtype[Any]) -> Arrays:
-    """Return a value as an array of JAX.
+    """Return a value as an array of JAX; lists may contain such arrays.
 
     Raises:
-        ArrayError: If it holds anything but real numbers, or rows of different lengths.
+        ArrayError: If it holds anything but real numbers in the range of the type, or is ragged or masked.
     """
+    if not any(isinstance(leaf, jax.Array) for leaf in jax.tree.leaves(value)):
+        return jnp.asarray(floats(name, value, dtype))
     try:
-        array = value if isinstance(value, jax.Array) else np.asarray(value)
-    except ValueError:
-        raise ArrayError(f"{name}: the rows have different lengths.") from None
-    if not (np.issubdtype(array.dtype, np.integer) or jnp.issubdtype(array.dtype, np.floating)):
+        array = jnp.asarray(value)
+    except (TypeError, ValueError):
+        raise ArrayError(f"{name}: the rows have different lengths, or are no numbers.") from None
+    if not (jnp.issubdtype(array.dtype, np.integer) or jnp.issubdtype(array.dtype, np.floating)):
         raise ArrayError(f"{name}: expected real numbers, got an array of {array.dtype}.")
-    return jnp.asarray(array, dtype)
+    return array.astype(dtype)
