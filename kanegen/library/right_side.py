@@ -85,6 +85,10 @@ class RightSide:
     def __repr__(self) -> str:
         return f"<RightSide {self._library.name}: state ({self._m + self._n},), x then y>"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how `pickle` makes the right side anew, with nothing counted."""
+        return type(self), (self._library, self._inputs, self._tau_jac)
+
     def __call__(self, t: float, state: ArrayLike) -> Doubles:
         """Return the rates of a state.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -167,6 +168,14 @@ def test_what_does_not_fit_says_so(pendulum: kg.Library) -> None:
         pendulum.rhs()(0.0, np.zeros(3))
     with pytest.raises(ArrayError, match=r"tau: expected shape \(2,\), got \(3,\)"):
         pendulum.rhs(lambda t, x, y: np.zeros(3))(0.0, np.zeros(4))
+
+
+def test_another_process_gets_it_by_pickle(satellite: kg.Library) -> None:
+    rhs = satellite.rhs(tau=np.linspace(-1, 1, satellite.n))
+    state = rhs.state(y=np.full(satellite.n, 0.1))
+    again = pickle.loads(pickle.dumps(rhs))
+    assert again(0.0, state).tolist() == rhs(0.0, state).tolist()
+    assert (again.evaluations, rhs.evaluations) == (1, 1)
 
 
 def test_statuses_name_the_time(pendulum: kg.Library) -> None:
