@@ -43,6 +43,7 @@ from kanegen.cli.options import (
     NoBatches,
     Outputs,
     ParametersByState,
+    Platforms,
     Points,
     Precision,
     Reactions,
@@ -55,7 +56,7 @@ from kanegen.cli.options import (
     Without,
 )
 from kanegen.cli.terminal import progress, screen
-from kanegen.errors import counted
+from kanegen.errors import OptionError, counted
 from kanegen.extras import require
 from kanegen.studies.tradeoff import EXTRA, NEEDS
 
@@ -81,6 +82,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
         ),
     ] = None,
     for_: For = None,
+    platform: Platforms = None,
     function: Functions = None,
     frames: Frames = None,
     reactions: Reactions = None,
@@ -134,7 +136,8 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
-    asked, compiled = _targets(for_)
+    platforms = names_of("--platform", platform) or None
+    asked, compiled = _targets(for_, platforms)
     outputs = artifacts.outputs_with(asked, system, output if is_typed(context, "output") else None)
     system = with_selection(system, outputs, frames, reactions, contacts)
     if keeps_budget:
@@ -157,16 +160,16 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 parameters_by_state=parameters_by_state,
                 batches=not no_batches,
             )
-    files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled)}
+    files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled, platforms)}
     folder.write(files, output_dir, force)
     _show(system, source, files, output_dir)
 
 
-def _targets(texts: list[str] | None) -> tuple[list[str], list[str]]:
+def _targets(texts: list[str] | None, platforms: list[str] | None) -> tuple[list[str], list[str]]:
     """Return the names of artifacts and of products that --for names; one name may be that of both.
 
     Raises:
-        OptionError: If there is no such target.
+        OptionError: If there is no such target or platform, or no target has platforms.
         BuildError: If a tool for a product is missing.
     """
     from kanegen.artifacts import ARTIFACTS
@@ -175,7 +178,11 @@ def _targets(texts: list[str] | None) -> tuple[list[str], list[str]]:
     known = tuple(dict.fromkeys((*ARTIFACTS, *PRODUCTS)))
     names = several("--for", "target", names_of("--for", texts), known)
     compiled = [name for name in names if name in PRODUCTS]
-    require_tools(compiled)
+    if platforms and not any(PRODUCTS[name].has_platforms for name in compiled):
+        raise OptionError(
+            "--platform: no target has platforms. Leave it out, or add --for fmi3, for example."
+        )
+    require_tools(compiled, platforms)
     return [name for name in names if name in ARTIFACTS], compiled
 
 

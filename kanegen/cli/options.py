@@ -103,6 +103,26 @@ For = Annotated[
         show_default=False,
     ),
 ]
+PLATFORM_NAMES = (
+    "x86_64-linux",
+    "aarch64-linux",
+    "x86_64-windows",
+    "aarch64-windows",
+    "x86_64-darwin",
+    "aarch64-darwin",
+)
+"""Names of the platforms for which `kanegen.products` compiles."""
+
+Platforms = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--platform",
+        metavar="NAMES",
+        help="Platforms of an FMU, one name or several separated by commas (repeatable); by default this "
+        f"machine's. Others need `pip install ziglang`: {', '.join(PLATFORM_NAMES)}.",
+        show_default=False,
+    ),
+]
 Functions = Annotated[
     list[str] | None,
     typer.Option(

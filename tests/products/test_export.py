@@ -7,6 +7,7 @@ import kanegen as kg
 from kanegen.browser import toolchain
 from kanegen.browser.wasm import wasm_module
 from kanegen.c.provenance import is_unchanged
+from kanegen.cli import options
 from kanegen.cli.app import app
 from kanegen.errors import BuildError, OptionError, WriteError
 from kanegen.extras import is_installed
@@ -82,3 +83,16 @@ def test_the_command_line_writes_products_beside_the_c(tmp_path, monkeypatch):
     with pytest.raises(BuildError, match="pip install ziglang"):
         CliRunner().invoke(app, arguments, catch_exceptions=False)
     assert not (tmp_path / "missing").exists()
+
+
+def test_platforms_on_the_command_line(tmp_path):
+    model = str(ROOT / "models" / "planar_pendulum.toml")
+    assert tuple(PLATFORMS) == options.PLATFORM_NAMES
+    for arguments, words in (
+        (["--for", "fmi3", "--platform", "x86_64-window"], "Did you mean 'x86_64-windows'"),
+        (["--for", "wasm", "--platform", "x86_64-linux"], "no target has platforms"),
+    ):
+        result = CliRunner().invoke(app, ["generate", model, "-o", str(tmp_path / "new"), *arguments])
+        assert result.exit_code != 0
+        assert words in result.output + str(result.exception)
+        assert not (tmp_path / "new").exists()
