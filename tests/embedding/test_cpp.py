@@ -377,6 +377,15 @@ def test_names_sizes_and_limits_are_constants(folder):
     said(body, folder, flags=("-fno-exceptions",), link=False)
 
 
+def test_headers_are_ascii_in_lines_of_110_columns():
+    for name in ("strange", "parameters"):
+        files = generated(name).files
+        for text in (text for file, text in files.items() if file.endswith(".hpp")):
+            assert text.isascii()
+            assert name == "strange" or max(map(len, text.splitlines())) <= 110  # a name may be long
+            assert not re.search(r"[ \t]$|\n\n\n", text, re.MULTILINE)
+
+
 def test_two_models_are_in_one_program(tmp_path):
     generated("parameters").write(tmp_path)
     kg.generate(kg.load(MODELS / "cart_pole.toml"), artifacts="cpp").write(tmp_path, force=True)

@@ -2,6 +2,7 @@
 
 import functools
 import json
+import re
 
 import jsonschema
 import numpy as np
@@ -177,6 +178,14 @@ int main(void)
     found = [float(word) for word in run("./use", folder=tmp_path / "c").split()]
     library = kg.build(system.with_parameters({"m2": 0.75}), ["forward_dynamics"])
     assert found == list(library.forward_dynamics([0.3, 0.0], [0.0, -0.2], [0.0, 1.5]))
+
+
+def test_headers_are_ascii_in_lines_of_110_columns():
+    for name in ("strange", "parameters"):
+        text = generated(name).files[f"{generated(name).model.name}_description.h"]
+        assert text.isascii()
+        assert name == "strange" or max(map(len, text.splitlines())) <= 110  # a name may be long
+        assert not re.search(r"[ \t]$|\n\n\n", text, re.MULTILINE)
 
 
 def test_padding_does_not_compile(tmp_path):
