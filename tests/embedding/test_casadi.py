@@ -172,6 +172,16 @@ def test_functions_that_there_are_not():
         casadi.function("cart_pole")
 
 
+def test_code_without_what_casadi_needs():
+    system = SYSTEMS["loads"]()
+    with pytest.raises(OptionError, match="Add --output forcing_derivatives --output forcing_input"):
+        kg.generate(system, ("forcing",), artifacts="casadi")
+    with pytest.raises(OptionError, match="no function of an output, only derivatives"):
+        kg.generate(system, ("forcing_derivatives",), artifacts="casadi")
+    with pytest.raises(OptionError, match=r"casadi: .* are of precision 'float'\. Take --precision double"):
+        kg.generate(system, artifacts="casadi", precision="float")
+
+
 def test_numbers_other_than_doubles_are_refused():
     source = kg.generate(SYSTEMS["loads"](), precision="float")
     assert "casadi" not in source.artifacts

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kanegen.artifacts.casadi.functions import SUFFIX, CasadiFunction, Matrix, casadi_functions
+from kanegen.artifacts.casadi.sources import differentiable
 from kanegen.c.context import Context
 from kanegen.c.formats import formats
 from kanegen.c.interface import PREPARE, Function
@@ -41,7 +42,7 @@ def casadi(source: Source) -> dict[str, str]:
         functions=printed,
         patterns=tables.patterns,
         places=tables.places,
-        zeros=max((matrix.size for one in functions for matrix in one.inputs), default=1),
+        zeros=max(1, *(matrix.size for one in functions for matrix in one.inputs)),
         spreads=any(port.places for one in printed for port in one.inputs),
         gathers=any(port.places for port in ports),
         copies=any(port.matrix.array and not port.places for port in ports),
@@ -83,6 +84,8 @@ def refusal(source: Source) -> str:
         return why
     if source.system is None:
         return "this source does not carry its system. Generate it anew with kg.generate."
+    if next(differentiable(source), None) is None:
+        return "the code has no function of an output, only derivatives. Add --output forward_dynamics."
     there = [function.name for function in source.functions]
     needed = [one for name in there if name in OUTPUTS for one in derivatives(source.system, name)]
     if missing := [name for name in needed if name not in there]:
