@@ -28,6 +28,9 @@ _ARGUMENT = 16
 _TEMPORARIES = 1 / 8
 """Further places for parts of expressions, per value: processors without floating-point unit need some."""
 
+_STRUCT_TEMPORARIES = 1
+"""The same of double-double arithmetic, whose functions return structures."""
+
 _OPTIMISED_FRAME = 64
 """Bytes of a frame beside its values with optimisation."""
 
@@ -81,7 +84,8 @@ def _of_outputs(render_input: RenderInput, printed: PrintedFunction) -> Footprin
     arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
     size = arithmetic.bytes
     arguments = len(function.inputs) + len(function.outputs)
-    values = max(code.part_locals) * (1 + _TEMPORARIES)
+    temporaries = _STRUCT_TEMPORARIES if arithmetic is DOUBLE_DOUBLE else _TEMPORARIES
+    values = max(code.part_locals) * (1 + temporaries)
     frames = 1 if len(parts) == 1 else 2
     below, optimised_below = _called(code, arithmetic)
     return Footprint(
