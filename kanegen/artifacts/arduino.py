@@ -33,6 +33,7 @@ HEADERS_OF_ARDUINO = frozenset(
 _LIBRARY_FILES = {
     "library.properties": "library.properties",
     "library.json": "library.json",
+    "README.md": "README.md",
     "keywords.txt": "keywords.txt",
     "CMakeLists.txt": "CMakeLists.txt",
     "idf_component.yml": "idf_component.yml",
@@ -73,6 +74,7 @@ def _variables(code: Source) -> Context:
     variables = context(code.model, code.functions, outputs, code.operations, code.variant, steps)
     return variables | {
         "functions": code.functions,
+        "footprints": code.footprints,
         "description": json.dumps(f"Kane's equations of motion of the model {c_name(code.model.shown)}"),
         "called": [f"{code.model.name}_{name}" for name in names],
         "constants": re.findall(rf"^    ({code.model.prefix}_\w+) *=", code.cdef, re.MULTILINE),

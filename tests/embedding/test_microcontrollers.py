@@ -54,6 +54,7 @@ def test_the_layout_is_that_of_arduinos_specification(pendulum: Path) -> None:
     written = {str(path.relative_to(pendulum)) for path in pendulum.rglob("*") if path.is_file()}
     assert written == {
         *("library.properties", "keywords.txt", "library.json", "CMakeLists.txt", "idf_component.yml"),
+        "README.md",
         *("zephyr/module.yml", "examples/Basic/Basic.ino"),
         *(f"src/{name}" for name in ("double_pendulum.h", "double_pendulum.c", "kanegen_sincosf.h")),
     }
@@ -67,6 +68,10 @@ def test_the_layout_is_that_of_arduinos_specification(pendulum: Path) -> None:
     assert all(re.fullmatch(r"\w+\t(KEYWORD2|LITERAL1)", line) for line in keywords)
     assert "double_pendulum_forward_dynamics\tKEYWORD2" in keywords
     assert "DOUBLE_PENDULUM_NOT_FINITE\tLITERAL1" in keywords
+    (stack,) = re.findall(
+        r"^\| `double_pendulum_forward_dynamics` \| (\d+) \|", (pendulum / "README.md").read_text(), re.M
+    )
+    assert 500 < int(stack) < 5000
     described = json.loads((pendulum / "library.json").read_text())
     assert described["headers"] == "double_pendulum.h"
     assert described["build"]["flags"] == ["-ffp-contract=off"]
@@ -361,6 +366,15 @@ def test_arduino_runs_the_example(pendulum: Path, tmp_path: Path) -> None:
     expected = shown(run("./a.out", folder=here))
     # There `prepare` computes in 24 bits, and so does the function that prints decimal digits.
     assert shown(printed)[: len(expected)] == pytest.approx(expected, rel=2e-6)
+
+
+@pytest.mark.embed("avr-gcc")
+def test_double_precision_does_not_compile_where_a_double_has_32_bits(tmp_path: Path) -> None:
+    folder = source_of("double_pendulum", ("forcing",), "double").write(tmp_path)
+    command = ["avr-gcc", "-mmcu=atmega2560", "-std=c99", "-c", "double_pendulum.c"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "double has other than 53 bits here, as on AVR: generate single precision" in done.stderr
 
 
 def _first_seconds(command: list[str], folder: Path) -> str:
