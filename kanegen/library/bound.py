@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -120,6 +120,12 @@ class BoundCall:
         shapes = [f"{name} {array.shape}" for name, array in self.inputs.items()]
         filled = [f"{name} {array.shape}" for name, array in self.outputs.items()]
         return f"<BoundCall {self.name}: {', '.join(shapes)} -> {', '.join(filled)}>"
+
+    def __reduce__(self) -> NoReturn:
+        """Say that a bound call cannot be pickled or copied."""
+        raise TypeError(
+            "a bound call has arrays of its process: pickle the library, and bind it again there."
+        )
 
     def __getattr__(self, name: str) -> Any:
         """Say which arrays there are, where there is no attribute `name`."""

@@ -37,7 +37,14 @@ class BroadcastFunction:
         grid = forward_dynamics(angles, [0.0, 0.0])   # (5, 9, 2)
     """
 
-    def __init__(self, name: str, call: Call, parameters: tuple[int, np.dtype[Any]], run: Run) -> None:
+    def __init__(
+        self,
+        name: str,
+        call: Call,
+        parameters: tuple[int, np.dtype[Any]],
+        run: Run,
+        made_by: Callable[[str], BroadcastFunction],
+    ) -> None:
         """Keep the function.
 
         Args:
@@ -45,12 +52,18 @@ class BroadcastFunction:
             call: The C function, which knows the shapes of its arrays.
             parameters: Number of the run-time parameters, and the type of their numbers.
             run: Function that calls it.
+            made_by: Function that makes this one of its name, which `pickle` calls.
         """
+        self._made_by = made_by
         self.__name__ = name
         self.shapes = self._inputs, self._outputs = call.shapes
         self._dtype, self._parameters, self._run = call.dtype, parameters, run
         sides = [",".join(map(_core, shapes.values())) for shapes in call.shapes]
         self.signature = "->".join(sides)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how `pickle` makes the function anew."""
+        return self._made_by, (self.__name__,)
 
     def __repr__(self) -> str:
         return f"<BroadcastFunction {self.__name__}({', '.join(self._inputs)}): {self.signature}>"

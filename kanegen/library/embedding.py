@@ -30,7 +30,8 @@ class Embedding(CompiledModel):
             states: Number B of states of a batch; None is one state.
 
         Raises:
-            OptionError: If the function was not generated, or `states` is no whole number from 0 on.
+            OptionError: If the function was not generated, `states` is no whole number from 0 on, or memory
+                cannot hold so many.
 
         Example:
             call = library.bind("forward_dynamics")
@@ -44,7 +45,10 @@ class Embedding(CompiledModel):
         if states is not None and not is_count:
             raise OptionError(f"states: {quoted(states)} is no whole number from 0 on.")
         count = None if states is None else int(states)
-        return BoundCall(name, self._native, self._parameters, self._constants, self._on_status, count)
+        try:
+            return BoundCall(name, self._native, self._parameters, self._constants, self._on_status, count)
+        except MemoryError:
+            raise OptionError(f"states: memory cannot hold the arrays of {count} states.") from None
 
     def ufunc(self, name: str) -> BroadcastFunction:
         """Return a function that broadcasts the leading dimensions of its arguments, as a NumPy ufunc does.
@@ -69,7 +73,7 @@ class Embedding(CompiledModel):
             named = {one: value for one, value in given.items() if one not in order}
             return self._run(name, values, cast(NamedInputs, named))
 
-        return BroadcastFunction(name, self._calls[name], parameters, run)
+        return BroadcastFunction(name, self._calls[name], parameters, run, self.ufunc)
 
     @property
     def c_functions(self) -> tuple[str, ...]:

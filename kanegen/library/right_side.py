@@ -15,7 +15,7 @@ from kanegen.library.derivatives import Derivatives
 from kanegen.library.embedding import Embedding
 from kanegen.library.linearization import OF_RATES, outputs_needed
 from kanegen.library.native.status import MISSING, OnStatus, StatusReport, report
-from kanegen.model.arguments import LOADS, Floats
+from kanegen.model.arguments import LOADS, Floats, floats
 from kanegen.model.parameter_sets import ParameterSets
 from kanegen.program.ir import PARAMETERS
 
@@ -104,7 +104,7 @@ class RightSide:
             ArrayError: If the state, or what a function of an input returns, has the wrong shape or type.
             StatusError: As `Library.forward_dynamics`, with the time in the message.
         """
-        given: Doubles = np.asarray(state, np.float64)
+        given = _doubles("state", state)
         if given.ndim == 2 and given.shape[0] == self._m + self._n:
             columns = [self(t, column) for column in given.T]
             return np.stack(columns, axis=1) if columns else np.zeros_like(given)
@@ -175,14 +175,14 @@ class RightSide:
         Example:
             x, y = rhs.parts(solution.y)
         """
-        rows: Doubles = np.asarray(states, np.float64).T
+        rows = _doubles("states", states).T
         if rows.ndim not in (1, 2) or rows.shape[-1] != self._m + self._n:
             self._refuse(rows.T.shape)
         return np.ascontiguousarray(rows[..., : self._m]), np.ascontiguousarray(rows[..., self._m :])
 
     def _jacobian(self, t: float, state: ArrayLike) -> Doubles:
         """Return the (m + n, m + n) derivatives of the rates of one state by the state."""
-        given: Doubles = np.asarray(state, np.float64)
+        given = _doubles("state", state)
         self.jacobians += 1
         m = self._m
         slopes = np.zeros((m + self._n,) * 2)
@@ -203,7 +203,7 @@ class RightSide:
 
     def _slopes_of_tau(self, given: Any) -> Doubles:
         """Return (n, m + n) derivatives of {tau}; 0 stands for all of them."""
-        found: Doubles = np.asarray(given, np.float64)
+        found = _doubles("tau_jac", given)
         shape = (self._n, self._m + self._n)
         if found.ndim == 0 and found == 0.0:
             return np.zeros(shape)
@@ -256,6 +256,15 @@ class RightSide:
             f"state: expected shape ({self._m + self._n},), {self._m} coordinates then {self._n} speeds, or "
             f"such states in columns; got {shape}."
         )
+
+
+def _doubles(name: str, value: object) -> Doubles:
+    """Return an argument as an array of doubles.
+
+    Raises:
+        ArrayError: If it holds anything but real numbers in rows of one length.
+    """
+    return np.asarray(floats(name, value, np.dtype(np.float64)), np.float64)
 
 
 class RightSides(Derivatives, Embedding):

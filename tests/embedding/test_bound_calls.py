@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import pickle
 from typing import Any
 
 import dask.array
@@ -133,6 +134,10 @@ def test_what_does_not_fit_says_so(pendulum: kg.Library, satellite: kg.Library) 
         pendulum.bind("prepare")
     with pytest.raises(OptionError, match="no whole number"):
         pendulum.bind("forward_dynamics", states=-1)
+    with pytest.raises(OptionError, match="memory cannot hold the arrays of 1000000000000 states"):
+        pendulum.bind("forward_dynamics", states=10**12)
+    with pytest.raises(TypeError, match="pickle the library, and bind it again there"):
+        pickle.dumps(call)
     with pytest.raises(ArrayError, match="has no run-time parameters"):
         satellite.bind("forward_dynamics").parameters = [1.0]
 
@@ -191,6 +196,8 @@ def test_broadcasting(pendulum: kg.Library) -> None:
     following = pendulum.ufunc("step_rk4")(x, y, step=np.full((3, 4), 0.01))
     assert [one.shape for one in following] == [(3, 4, 2)] * 2
     assert forward_dynamics(np.zeros((0, 4, 2)), y).shape == (0, 4, 2)
+    again = pickle.loads(pickle.dumps(forward_dynamics))
+    assert same(again(x, y, tau), found)
     with pytest.raises(ArrayError, match="do not broadcast"):
         forward_dynamics(np.zeros((3, 2)), y)
     with pytest.raises(ArrayError, match=r"y: expected shape \(..., 2\), got \(3,\)"):

@@ -166,6 +166,9 @@ def test_what_does_not_fit_says_so(pendulum: kg.Library) -> None:
         pendulum.rhs(prescribed=np.zeros((3, 1)))
     with pytest.raises(ArrayError, match=r"state: expected shape \(4,\), 2 coordinates then 2 speeds"):
         pendulum.rhs()(0.0, np.zeros(3))
+    for wrong in ("abc", [0.0, 0.0, 0.0, 1j], [[0.0, 0.0], [0.0]]):
+        with pytest.raises(ArrayError, match="state: "):
+            pendulum.rhs()(0.0, wrong)
     with pytest.raises(ArrayError, match=r"tau: expected shape \(2,\), got \(3,\)"):
         pendulum.rhs(lambda t, x, y: np.zeros(3))(0.0, np.zeros(4))
 
