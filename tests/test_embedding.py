@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from benchmarks.embedding.row import Row, in_turns, turn_of
 from kanegen.measure.machine import Machine
 from kanegen.measure.timing import Times
 from tests.embedding.__main__ import files, install
-from tests.support.pages import blocks
+from tests.support.pages import blocks, fenced
 from tests.support.pages import files as saved
 from tests.support.paths import ROOT
 from tests.support.tools import TOOLS, Package, Program, missing
@@ -60,11 +61,25 @@ def test_tests_fail_without_their_tool(tool: str, message: str, tmp_path: Path) 
     assert message in done.stdout + done.stderr
 
 
-def test_every_target_of_the_index_is_the_name_of_a_file() -> None:
+def test_every_target_of_the_index_has_tests() -> None:
     text = (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8")
-    targets = re.findall(r"`make embed-([\w-]+)`", text)
+    targets = re.findall(r"`make embed-([a-z-]+)`", text)
     assert len(targets) == len(set(targets))
-    assert files().keys() <= set(targets)
+    assert files().keys() == set(targets)
+
+
+def test_the_code_of_every_page_is_run() -> None:
+    tests = "".join(path.read_text(encoding="utf-8") for path in files().values())
+    for page in (ROOT / "docs" / "embedding").glob("*.md"):
+        assert not fenced(page) or f'"embedding/{page.stem}"' in tests, page.name
+
+
+def test_every_package_is_in_an_extra() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for tool in TOOLS.values():
+        if isinstance(tool, Package):
+            needed = project["optional-dependencies"][tool.extra]
+            assert any(line.startswith(tool.distribution or tool.module) for line in needed), tool
 
 
 def test_versions_of_tools_are_printed() -> None:

@@ -29,7 +29,8 @@ HEAD = """# Call times
 `python -m benchmarks.embedding` writes this page. *alone* is the median time of a call of the C function from
 C, *through* that of the same call, with the same numbers, through the program; both take turns in one run.
 *beyond* is the median of the differences of the rounds: what the program adds. It depends on the sizes of
-arrays, not on what the C computes."""
+arrays, not on what the C computes, but for WebAssembly, whose instructions themselves take longer than those
+that a compiler makes for this processor. Where a call computes many states, *each* gives the time of one."""
 
 
 def measures() -> dict[str, Callable[[], list[Row]]]:
@@ -52,7 +53,8 @@ def document(rows: Sequence[Row], left_out: Iterable[str], machine: Machine) -> 
     cells = [
         [row.target, row.call, ns(row.alone.median), ns(row.through.median), ns(row.beyond)] for row in rows
     ]
-    versions = sorted({row.versions for row in rows})
+    where = machine.lines()
+    where += sorted({row.versions for row in rows if row.versions.lower() not in "\n".join(where).lower()})
     lines = [
         HEAD,
         "",
@@ -62,7 +64,7 @@ def document(rows: Sequence[Row], left_out: Iterable[str], machine: Machine) -> 
         "",
         "## Where",
         "",
-        *(f"- {line}" for line in [*machine.lines(), *versions]),
+        *(f"- {line}" for line in where),
         "",
     ]
     return "\n".join(lines)
