@@ -19,6 +19,7 @@ from kanegen.reference.states import random_states
 from tests.support.c_compilers import WARNINGS
 from tests.support.pages import blocks, run
 from tests.support.paths import MODELS, PENDULUM
+from tests.support.random_trees import everything
 
 DYNAMICS = "mass_matrix", "forcing", "forward_dynamics"
 
@@ -28,9 +29,13 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "arm": ("panda_arm", {"outputs": ("forward_dynamics", "forward_dynamics_derivatives")}),
     "satellite": ("satellite", {"outputs": (*DYNAMICS, "coordinate_rates", "step_rk4")}),
     "body": ("free_body", {"outputs": DYNAMICS}),
+    "everything": ("", {"outputs": (*DYNAMICS, "contact_dynamics", "point_positions", "coordinate_rates")}),
     "by_state": ("double_pendulum", {"outputs": DYNAMICS, "parameters_by_state": True}),
 }
 """Model and choices of every mex file: parameters, loads, quaternions, single precision."""
+
+LOADS = ("force", "torque", "point_force", "point_moment", "t", "prescribed")
+"""Inputs from outside, of which only some systems have each."""
 
 STATES = 4
 
@@ -57,11 +62,15 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[kg.Source
     """Every source with its folder, in which Octave has built the mex file."""
     found = {}
     for name, (model, choices) in CASES.items():
-        system = kg.load(MODELS / f"{model}.toml")
+        system = (
+            kg.load(MODELS / f"{model}.toml")
+            if model
+            else everything(3, bodies=2).with_prescribed("b1.theta2")
+        )
         outputs = available(system) if choices["outputs"] == "every" else choices["outputs"]
         source = kg.generate(system, artifacts="octave", **{**choices, "outputs": outputs})
         folder = source.write(tmp_path_factory.mktemp(name) / "mex")
-        octave(f"{model}.build();", folder)
+        octave(f"{source.model.name}.build();", folder)
         found[name] = source, folder
     return found
 
@@ -130,9 +139,9 @@ def test_results_have_the_bits_of_the_c_and_are_those_of_the_reference(
                 expected = getattr(library, function.name)(**given)
                 assert np.array_equal(found, expected), function.name
     if "mass_matrix" in source.outputs:
-        loads = {name: values[name] for name in ("force", "torque") if name in values}
+        loads = {name: values[name] for name in LOADS if name in values}
         of_reference = {
-            "mass_matrix": mass_matrix(source.system, values["x"]),
+            "mass_matrix": mass_matrix(source.system, values["x"], values.get("prescribed")),
             "forcing": forcing(source.system, values["x"], values["y"], **loads),
         }
         for name, expected in of_reference.items():

@@ -23,6 +23,7 @@ from kanegen.reference.equations import forcing, mass_matrix
 from kanegen.reference.states import random_states
 from tests.support.pages import blocks, files, run
 from tests.support.paths import MODELS, PENDULUM
+from tests.support.random_trees import everything
 
 ARM = "forward_dynamics", "forward_dynamics_derivatives"
 DYNAMICS = "mass_matrix", "forcing", "forward_dynamics"
@@ -33,8 +34,12 @@ CRATES_OF_MODELS: dict[str, tuple[str, dict[str, Any]]] = {
     "panda_arm": ("panda_arm", {"outputs": ARM}),
     "satellite": ("satellite", {"outputs": (*DYNAMICS, "coordinate_rates", "step_rk4")}),
     "free_body": ("free_body", {"outputs": DYNAMICS}),
+    "everything": ("", {"outputs": (*DYNAMICS, "contact_dynamics", "point_positions", "coordinate_rates")}),
 }
-"""Model and choices of every crate of the test program: parameters, loads, quaternions, two precisions."""
+"""Model and choices of every crate of the test program: parameters, loads, quaternions, two precisions.
+
+The last one is a random tree with points, contacts, prescribed motion, couplings, time and force elements.
+"""
 
 STATES = 3
 """Random states of every crate."""
@@ -57,7 +62,10 @@ def cargo(*arguments: str, folder: Path, target: Path, **environment: str) -> st
 
 def source_of(crate: str) -> kg.Source:
     model, choices = CRATES_OF_MODELS[crate]
-    return kg.generate(kg.load(MODELS / f"{model}.toml"), artifacts="rust", **choices)
+    system = (
+        kg.load(MODELS / f"{model}.toml") if model else everything(3, bodies=2).with_prescribed("b1.theta2")
+    )
+    return kg.generate(system, artifacts="rust", **choices)
 
 
 @pytest.fixture(scope="module")
@@ -383,6 +391,55 @@ def test_columns_of_derivatives_are_those_of_the_library() -> None:
 
 def test_the_same_bytes_again() -> None:
     assert source_of("satellite").files == source_of("satellite").files
+
+
+BARE = """\
+#![no_std]
+#![no_main]
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use satellite_f32::Model;
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    debug::exit(debug::EXIT_FAILURE);
+    loop {}
+}
+
+#[entry]
+fn main() -> ! {
+    let (model, x, y) = (Model::new(), [0.3; 9], [0.2; 8]);
+    let (tau, force, torque) = ([0.1; 8], [[0.0; 3]; 3], [[0.0; 3]; 3]);
+    hprintln!("{:?}", model.forward_dynamics(&x, &y, &tau, &force, &torque).unwrap());
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {}
+}
+"""
+
+CORTEX = "thumbv7em-none-eabihf"
+
+MACHINE = "MEMORY { FLASH : ORIGIN = 0, LENGTH = 4M RAM : ORIGIN = 0x20000000, LENGTH = 4M }"
+"""Memory of the machine mps2-an386 of QEMU, a Cortex-M4F."""
+
+
+@pytest.mark.embed("cargo", "rustup", "arm-none-eabi-gcc", "qemu-system-arm")
+def test_a_bare_machine_computes_the_same_bits(tmp_path: Path, target: Path) -> None:
+    """Nothing but the language's own core library is linked; it brings the square root of quaternions."""
+    system, outputs = kg.load(MODELS / "satellite.toml"), ("forward_dynamics",)
+    kg.generate(system, outputs, artifacts="rust", precision="float").write(tmp_path / "satellite_f32")
+    folder = program(tmp_path / "bare", tmp_path, ["satellite_f32"], BARE)
+    with (folder / "Cargo.toml").open("a") as file:
+        file.write('cortex-m = "0.7"\ncortex-m-rt = "0.7"\ncortex-m-semihosting = "0.5"\n')
+    (folder / "memory.x").write_text(MACHINE)
+    run(["rustup", "target", "add", CORTEX], folder)
+    cargo("build", "--target", CORTEX, folder=folder, target=target, RUSTFLAGS="-C link-arg=-Tlink.x")
+    binary = target / CORTEX / "debug" / "program"
+    machine = ["qemu-system-arm", "-M", "mps2-an386", "-nographic", "-kernel", str(binary)]
+    printed = run([*machine, "-semihosting-config", "enable=on,target=native"], folder)
+    library = kg.build(system, outputs, precision="float")
+    expected = library.forward_dynamics(np.full(9, 0.3), np.full(8, 0.2), np.full(8, 0.1))
+    assert np.array_equal(np.array(ast.literal_eval(printed), np.float32), expected)
 
 
 @pytest.mark.embed("cargo")

@@ -87,6 +87,7 @@ def _programs() -> dict[str, Program]:
             Program("npm", ("npm",)),
             Program("octave", ("octave",)),
             Program("qemu-system-arm", ("qemu-system-arm",)),
+            Program("rustup", ("rustup",)),
             Program("simavr", ("simavr",)),
             Program("wine", ("wine", "wine64")),
         )
