@@ -179,14 +179,17 @@ def test_steps_of_co_simulation_have_the_bits_of_the_rollout(made, name, version
     system = system_of(name)
     library = made.library(system)
     inputs = Inputs(system, library)
+    if "prescribed" in inputs.further:
+        inputs.further["prescribed"][1:] = 0.0  # or the rollout, which is told one row, would not follow it
     with initialized(made, system, version, inputs, CO_SIMULATION) as one:
         start = float(inputs.further.get("t", 0.0))
         for number in range(5):
             one.step(start + 0.01 * number, 0.01)
         names = [name for name in one.variables if name.startswith(("x.", "y."))]
         rollout = library.rollout(inputs.x, inputs.y, steps=50, step=1e-3, **inputs.further)
-        assert np.allclose(
-            one.get(names), np.concatenate([rollout.x[-1], rollout.y[-1]]), rtol=1e-13, atol=1e-13
+        found, expected = one.get(names), np.concatenate([rollout.x[-1], rollout.y[-1]])
+        assert np.array_equal(found, expected) or (
+            "t" in inputs.further and np.allclose(found, expected, 1e-12)
         )
 
 
@@ -387,6 +390,10 @@ def test_states_are_stored_restored_and_serialised(made, version, kind):
         with pytest.raises(CALL_FAILED):
             restore(b"x" * len(data))
         assert "no state of this FMU" in one.log[-1][2]
+        damaged = bytes(data[:39]) + b"\xff" * (len(data) - 39)
+        with pytest.raises(CALL_FAILED):
+            restore(damaged)
+        assert "damaged state" in one.log[-1][2]
         (one.fmu.freeFMUState if version == 3 else one.fmu.freeFMUstate)(state)
 
 
