@@ -611,7 +611,7 @@ def test_wrong_choices(jax: Any) -> None:
     with pytest.raises(OptionError, match="Build it with parameters_by_state=True"):
         functions(kg.build(system, ("mass_matrix",), flags=QUICK))
     with (
-        jax.enable_x64(False),
+        rounding(jax),
         pytest.raises(OptionError, match=r'jax_enable_x64", True\) first, or build with'),
     ):
         functions(system)
