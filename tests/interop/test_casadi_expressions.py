@@ -5,11 +5,12 @@ import pytest
 
 from kanegen.errors import OptionError
 from kanegen.interop import casadi
-from tests.support.casadi_functions import CASES, SYSTEMS, made
+from tests.support.casadi_functions import SYSTEMS, made
+from tests.support.cases import slow_except
 from tests.support.random_trees import everything
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", slow_except(SYSTEMS, "parameters", "loads", "quaternion"))
 def test_expressions_have_the_values_and_derivatives_of_the_c(case):
     """CasADi differentiates the instructions themselves, by its own rules."""
     system, library, functions = made(case)
