@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from kanegen.choices import several
 from kanegen.cli.budget_options import (
     Attempts,
     Confidence,
@@ -55,8 +54,9 @@ from kanegen.cli.options import (
     Tier,
     Without,
 )
+from kanegen.cli.targets import chosen_targets
 from kanegen.cli.terminal import progress, screen
-from kanegen.errors import OptionError, counted
+from kanegen.errors import counted
 from kanegen.extras import require
 from kanegen.studies.tradeoff import EXTRA, NEEDS
 
@@ -137,7 +137,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
     platforms = names_of("--platform", platform) or None
-    asked, compiled = _targets(for_, platforms)
+    asked, compiled = chosen_targets(for_, platforms)
     outputs = artifacts.outputs_with(asked, system, output if is_typed(context, "output") else None)
     system = with_selection(system, outputs, frames, reactions, contacts)
     if keeps_budget:
@@ -163,27 +163,6 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled, platforms)}
     folder.write(files, output_dir, force)
     _show(system, source, files, output_dir)
-
-
-def _targets(texts: list[str] | None, platforms: list[str] | None) -> tuple[list[str], list[str]]:
-    """Return the names of artifacts and of products that --for names; one name may be that of both.
-
-    Raises:
-        OptionError: If there is no such target or platform, or no target has platforms.
-        BuildError: If a tool for a product is missing.
-    """
-    from kanegen.artifacts import ARTIFACTS
-    from kanegen.products import PRODUCTS, require_tools
-
-    known = tuple(dict.fromkeys((*ARTIFACTS, *PRODUCTS)))
-    names = several("--for", "target", names_of("--for", texts), known)
-    compiled = [name for name in names if name in PRODUCTS]
-    if platforms and not any(PRODUCTS[name].has_platforms for name in compiled):
-        raise OptionError(
-            "--platform: no target has platforms. Leave it out, or add --for fmi3, for example."
-        )
-    require_tools(compiled, platforms)
-    return [name for name in names if name in ARTIFACTS], compiled
 
 
 def _within_budget(system: System, context: typer.Context, folder: Path, force: bool) -> Source:

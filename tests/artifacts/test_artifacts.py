@@ -1,5 +1,7 @@
 """The list of artifacts: what can stand beside a source, and a new one through the same mechanism."""
 
+import importlib.util
+
 import pytest
 from typer.testing import CliRunner
 
@@ -7,7 +9,9 @@ import kanegen as kg
 from kanegen import artifacts
 from kanegen.artifacts import ARTIFACTS, Artifact, with_artifacts
 from kanegen.cli.app import app
+from kanegen.cli.targets import OTHER_NAMES, WITHOUT_FILES
 from kanegen.errors import OptionError
+from kanegen.library import Library
 from tests.support.handmade import source as handmade
 from tests.support.paths import MODELS
 
@@ -161,3 +165,27 @@ def test_targets_on_the_command_line(targets, tmp_path, names):
         "int planar_pendulum_forward_dynamics(const float x[2]"
         in (tmp_path / "planar_pendulum.h").read_text()
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("jax", "--for jax: it needs no files. Use kanegen.interop.jax in Python"),
+        ("PyTorch", "--for PyTorch: it needs no files. Use kanegen.interop.torch in Python"),
+        ("scipy", "Use Library.rhs in Python"),
+        ("c++", r"unknown target 'c\+\+'. Did you mean 'cpp'"),
+        ("matlab", "unknown target 'matlab'. Did you mean 'octave'"),
+        ("rst", "unknown target 'rst'. Did you mean 'rust'"),
+    ],
+)
+def test_names_that_are_no_targets(tmp_path, name, message):
+    arguments = ["generate", str(MODELS / "planar_pendulum.toml"), "-o", str(tmp_path / "c"), "--for", name]
+    with pytest.raises(OptionError, match=message):
+        CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert not (tmp_path / "c").exists()
+
+
+def test_what_messages_on_targets_propose_exists():
+    assert set(OTHER_NAMES.values()) <= {*ARTIFACTS, *WITHOUT_FILES}
+    for path in WITHOUT_FILES.values():
+        assert hasattr(Library, path.removeprefix("Library.")) or importlib.util.find_spec(path)
