@@ -85,9 +85,15 @@ class Chromium:
 def served(browser: Any, folder: Path) -> OpenPage:
     """Open the page of a folder as if a web server had it."""
     opened = OpenPage(browser)
-    opened.page.route(
-        "http://model.test/**", lambda route: route.fulfill(path=folder / route.request.url.split("/")[-1])
-    )
+
+    def answer(route: Any) -> None:
+        path = folder / route.request.url.split("/")[-1]
+        if path.is_file():
+            route.fulfill(path=path)
+        else:
+            route.fulfill(status=404)
+
+    opened.page.route("http://model.test/**", answer)
     opened.page.goto("http://model.test/index.html")
     return opened
 
@@ -248,6 +254,45 @@ def test_floats_are_arrays_of_floats(browser: Any, tmp_path: Path) -> None:
     assert kind == "Float32Array"
     expected = load(source).forcing([0.1, 0.2], [0.3, 0.4])
     assert np.array_equal(np.array(found, np.float32), expected)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("{ states: 0 }", "states: 0 is no positive whole number."),
+        ("{ states: 1e12 }", "states: 1000000000000 states need "),
+        ("{ onStatus: 'panic' }", 'onStatus: give "warn", "raise", "ignore" or a function'),
+        ("{ wasm: 'missing.wasm' }", "http://model.test/missing.wasm: 404"),
+    ],
+    ids=["no states", "too many states", "unknown rule", "missing module"],
+)
+def test_wrong_options_end_in_one_line(
+    options: str, message: str, browser: Any, pendulum: tuple[Path, kg.Source]
+) -> None:
+    opened = served(browser, pendulum[0] / FOLDER)
+    script = f"""import("/double_pendulum.js")
+        .then(({{ load }}) => load({options}))
+        .catch(({{ message }}) => message)"""
+    found = opened.page.evaluate(script)
+    assert found.startswith(message) and "\n" not in found
+
+
+def test_each_state_may_have_its_own_parameters(browser: Any, tmp_path: Path) -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    source = package(system, ("forcing",), tmp_path / "build", parameters_by_state=True)
+    opened = served(browser, tmp_path / "build" / FOLDER)
+    script = """async (parameters) => {
+        const { load } = await import("/double_pendulum.js");
+        const model = await load({ states: 2 });
+        model.prepare(parameters);
+        return [...model.forcing([0.1, 0.2], [0.3, 0.4])];
+    }"""
+    parameters = [[9.81, 1.0, 1.0, 0.5, 0.7], [1.62, 2.0, 0.8, 0.7, 0.4]]
+    found = np.reshape(opened.page.evaluate(script, np.ravel(parameters).tolist()), (2, 2))
+    names = load(source).parameter_names
+    for row, values in zip(found, parameters, strict=True):
+        one = load(source).with_parameters(dict(zip(names, values, strict=True)))
+        assert np.array_equal(row, one.forcing([0.1, 0.2], [0.3, 0.4]))
 
 
 PAGE = "embedding/webassembly"
