@@ -161,6 +161,7 @@ def test_vmap_and_derivatives_of_torch_func(torch: Any, pendulum: Any) -> None:
     assert torch.allclose(own(sets), expected.expand(3, 5), rtol=1e-13)
 
 
+@pytest.mark.filterwarnings("ignore:The .grad attribute of a Tensor:UserWarning")  # of opcheck in 2.15
 def test_operators_keep_what_pytorch_asks_of_them(torch: Any, pendulum: Any) -> None:
     """`opcheck`: schema, no aliases, shapes without values, gradients, dynamic shapes of compiled code."""
     operators = importlib.import_module("kanegen.interop.torch.operators")
