@@ -256,7 +256,7 @@ def test_no_function_takes_more_stack_than_the_readme_states(
             program = compile_for(board, tmp_path, ("cost.c", f"{model}.c"), (level,))
             found = numbers(run_on(board, program))["stack"]
             assert 0 < found <= one.stack, (name, level)
-            assert level == "-O0" or found <= 1.5 * one.optimised_stack, name
+            assert level == "-O0" or found <= 1.7 * one.optimised_stack, name
 
 
 @pytest.mark.embed("arm-none-eabi-gcc")
@@ -274,7 +274,7 @@ def test_gcc_for_arm_keeps_to_the_memory_of_the_readme(model: str, precision: st
             code = {words[3]: int(words[1], 16) for line in listed if len(words := line.split()) == 4}
             for one in source.footprints:
                 assert stack[one.name] <= one.stack, (one, board.name, level)
-                assert level == "-O0" or stack[one.name] <= 1.5 * one.optimised_stack, (
+                assert level == "-O0" or stack[one.name] <= 1.7 * one.optimised_stack, (
                     one,
                     board.name,
                     level,
