@@ -277,7 +277,10 @@ def test_directional_derivatives_by_states_forces_and_parameters_have_the_bits_o
         expected = library.forward_dynamics_derivatives(inputs.x, inputs.y, **inputs.further)
         found = [one.derivative(rates, knowns, seed) for seed in np.eye(len(knowns))]
         assert np.array_equal(np.array(found).T, expected)
-        energies = library.kinetic_energy_derivatives(inputs.x, inputs.y)
+        read = [array.name for array in function(library, "kinetic_energy_derivatives").inputs]
+        energies = library.kinetic_energy_derivatives(
+            **{name: inputs.arguments[name] for name in read if name in inputs.arguments}
+        )
         by = known_names(one, ("x.", "y.", "parameters."))
         found = [one.derivative(["kinetic_energy"], by, seed)[0] for seed in np.eye(len(by))]
         assert np.array_equal(found, energies)
