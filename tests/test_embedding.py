@@ -15,6 +15,7 @@ from benchmarks.embedding.row import Row, in_turns, turn_of
 from kanegen.measure.machine import Machine
 from kanegen.measure.timing import Times
 from tests.embedding.__main__ import files, install
+from tests.embedding.conftest import pytest_itemcollected
 from tests.support.pages import blocks, fenced
 from tests.support.pages import files as saved
 from tests.support.paths import ROOT
@@ -42,23 +43,31 @@ def test_tools_that_cannot_be_installed_end_with_one_line(monkeypatch: pytest.Mo
 TEST = """
 import pytest
 
-@pytest.mark.embed("{tool}")
+@pytest.mark.embed("cargo")
 def test_of_a_tool():
     pass
 """
 
 
-@pytest.mark.parametrize(
-    ("tool", "message"), [("cargo", "cargo is not installed: apt-get install"), ("carg", "no such tool")]
-)
-def test_tests_fail_without_their_tool(tool: str, message: str, tmp_path: Path) -> None:
+def test_a_test_fails_without_its_tool(tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text("from tests.embedding.conftest import *\n")
-    (tmp_path / "test_one.py").write_text(TEST.format(tool=tool))
+    (tmp_path / "test_one.py").write_text(TEST)
     command = [sys.executable, "-m", "pytest", "-q", "-m", "", "-c", ROOT / "pyproject.toml", tmp_path]
-    options = {"cwd": ROOT, "env": {"PATH": str(tmp_path)}, "capture_output": True, "text": True}
-    done = subprocess.run([*map(str, command), "-p", "no:cacheprovider"], check=False, **options)
-    assert done.returncode != 0
-    assert message in done.stdout + done.stderr
+    done = subprocess.run(
+        [*map(str, command), "-p", "no:cacheprovider"],
+        check=False,
+        cwd=ROOT,
+        env={"PATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1 and "cargo is not installed: apt-get install" in done.stdout
+
+
+def test_a_tool_that_nobody_can_install_is_refused(request: pytest.FixtureRequest) -> None:
+    request.node.add_marker(pytest.mark.embed("carg"))
+    with pytest.raises(pytest.UsageError, match=r"no such tool in tests/support/tools\.py: carg"):
+        pytest_itemcollected(request.node)
 
 
 def test_every_target_of_the_index_has_tests() -> None:
