@@ -237,7 +237,7 @@ def zip_sizes(one, names, numbers):
 
 
 @pytest.mark.parametrize(
-    "kind", ["slides and hinges", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS_OF_TREES)]
+    "kind", [pytest.param(k, marks=pytest.mark.slow) for k in ("slides and hinges", *KINDS_OF_TREES)]
 )
 def test_prescribed_motion_is_followed_within_a_communication_step(made, kind):
     system = prescribed_trees.tree(kind, 2)
@@ -539,6 +539,7 @@ def test_what_cannot_become_an_fmu_is_refused_in_one_line(tmp_path):
         kg.generate(held, artifacts=["fmi3"])
 
 
+@pytest.mark.slow
 def test_double_double_arithmetic_has_the_bits_of_the_library(made):
     system = system_of("double_pendulum")
     source = kg.generate(system, artifacts=["fmi3"], tier="exact")

@@ -148,6 +148,7 @@ def test_the_page_names_files_and_shapes() -> None:
     assert "| `free_body_block_mass_matrix` | `A` | 6 x 6 |" in page
 
 
+@pytest.mark.slow
 def test_every_output_compiles(tmp_path: Path) -> None:
     system = kg.load(PENDULUM)
     source = kg.generate(system, available(system), artifacts="simulink")
