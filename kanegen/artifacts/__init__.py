@@ -117,7 +117,13 @@ ARTIFACTS: dict[str, Artifact] = {
             simulink_refusal,
             usual_outputs=motion,
         ),
-        Artifact("wasm", "A package for browsers and Node.js, with types.", wasm, wasm_refusal),
+        Artifact(
+            "wasm",
+            "A package for browsers and Node.js, with types.",
+            wasm,
+            wasm_refusal,
+            usual_outputs=motion,
+        ),
     )
 }
 """Every artifact by its name, in the order of `Source.files`."""

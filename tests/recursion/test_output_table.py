@@ -60,10 +60,10 @@ def test_every_output_has_a_method_with_its_arguments(name: str) -> None:
 
 
 def test_an_output_is_named_in_few_files() -> None:
-    """Derivation, entry, method, reference and help of the command line; new names in C have meanings."""
+    """Derivation, entry, method, reference, help of the command line, names of elements and in C."""
     sources = {path.relative_to(ROOT).as_posix(): path for path in (ROOT / "kanegen").rglob("*.py")}
     word = re.compile(r"\bcentroidal_momentum_bias\b")
     naming = {name for name, path in sources.items() if word.search(path.read_text())}
     assert "kanegen/recursion/outputs/table.py" in naming
     assert "kanegen/recursion/centroidal.py" in naming
-    assert len(naming | {"kanegen/recursion/meanings.py"}) <= 6
+    assert len(naming | {"kanegen/recursion/meanings.py"}) <= 7
