@@ -88,7 +88,7 @@ def main(file: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         found = estimates(run_here(Path(folder), write_sources(system, states, Path(folder))))
     errors = np.sqrt(np.mean((found[200:, :4] - states[200:]) ** 2, axis=0))
-    print("errors of angles (rad) and speeds (rad/s) after 2 s:", np.round(errors, 4))
+    print("root mean square errors of angles (rad) and speeds (rad/s) after 2 s:", np.round(errors, 4))
     draw(states, found, file)
 
 

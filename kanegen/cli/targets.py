@@ -10,24 +10,44 @@ WITHOUT_FILES = {
     "jax": "kanegen.interop.jax",
     "numba": "Library.address",
     "numpy": "Library.bind",
+    "python": "kanegen.build",
     "scipy": "Library.rhs",
     "torch": "kanegen.interop.torch",
 }
 """What programs in Python use instead of files, by the names that users may give."""
 
 OTHER_NAMES = {
-    "c": "description",
+    "acados": "casadi",
     "c++": "cpp",
-    "fmi": "fmi3",
-    "fmu": "fmi3",
+    "cc": "cpp",
+    "cxx": "cpp",
+    "embedded": "arduino",
+    "esp-idf": "arduino",
+    "esp32": "arduino",
     "javascript": "wasm",
+    "js": "wasm",
     "matlab": "octave",
+    "mcu": "arduino",
     "mex": "octave",
+    "microcontroller": "arduino",
+    "microcontrollers": "arduino",
+    "node": "wasm",
+    "nodejs": "wasm",
+    "platformio": "arduino",
     "pytorch": "torch",
+    "ts": "wasm",
     "typescript": "wasm",
     "webassembly": "wasm",
+    "zephyr": "arduino",
 }
 """Targets by other names of theirs, for which messages propose the right one."""
+
+HINTS = {
+    "c": "The C is written without --for; 'description' adds names, units and structures to it.",
+    "fmi": "Did you mean 'fmi2' or 'fmi3'?",
+    "fmu": "Did you mean 'fmi2' or 'fmi3'?",
+}
+"""What messages say of names that stand for no target or for two."""
 
 
 def chosen_targets(texts: list[str] | None, platforms: list[str] | None) -> tuple[list[str], list[str]]:
@@ -58,7 +78,7 @@ def chosen_targets(texts: list[str] | None, platforms: list[str] | None) -> tupl
 
 
 def _require_files(name: str) -> None:
-    """Make sure that a name is neither that of a program without files nor another name of a target.
+    """Make sure that a name is that of no program without files and no other name of a target.
 
     Raises:
         OptionError: If it is one; the message names what there is instead.
@@ -66,5 +86,7 @@ def _require_files(name: str) -> None:
     target = OTHER_NAMES.get(name.lower(), name.lower())
     if target in WITHOUT_FILES:
         raise OptionError(f"--for {name}: it needs no files. Use {WITHOUT_FILES[target]} in Python.")
+    if name.lower() in HINTS:
+        raise OptionError(f"unknown target {quoted(name)}. {HINTS[name.lower()]}")
     if name.lower() in OTHER_NAMES:
         raise OptionError(f"unknown target {quoted(name)}. Did you mean {quoted(target)}?")

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from kanegen.artifacts import ARTIFACTS
 from kanegen.c.provenance import with_provenance_at_end
 from kanegen.c.source import Source
-from kanegen.choices import require_one, several
+from kanegen.choices import is_among, require_one, several
 from kanegen.compiler import generate
 from kanegen.errors import OptionError, quoted
 from kanegen.files import path_of, require_writable, write_all
@@ -43,7 +43,7 @@ def export(
     Example:
         kg.export(kg.load("models/double_pendulum.toml"), "wasm", "double_pendulum.wasm")
     """
-    require_one("product", product, PRODUCTS)
+    _require_product(product)
     if not isinstance(model, System | Source):
         raise OptionError(f"export: {quoted(model)} is neither a system nor generated code.")
     chosen, named = PRODUCTS[product], path_of(path)
@@ -56,6 +56,22 @@ def export(
     file = named / chosen.file(model) if named.is_dir() else named
     write_all({file: chosen.make(model, on)})
     return file
+
+
+def _require_product(name: str) -> None:
+    """Make sure that there is a product of a name.
+
+    Raises:
+        OptionError: If there is none; the message says how to write the files of an artifact of that name.
+    """
+    if is_among(name, ARTIFACTS) and name not in PRODUCTS:
+        raise OptionError(
+            f"unknown product {quoted(name)}: no compiler makes one file of it. "
+            f"Write its files with kg.generate(system, artifacts={name!r}).write(folder)."
+        )
+    if is_among(name, ("fmi", "fmu")):
+        raise OptionError(f"unknown product {quoted(name)}. Did you mean 'fmi2' or 'fmi3'?")
+    require_one("product", name, PRODUCTS)
 
 
 def compiled_files(

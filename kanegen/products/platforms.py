@@ -8,8 +8,8 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from kanegen.choices import several
-from kanegen.errors import BuildError, quoted
+from kanegen.choices import chosen, several
+from kanegen.errors import BuildError, OptionError, quoted
 from kanegen.extras import is_installed
 from kanegen.library.native import compilers
 
@@ -48,6 +48,9 @@ _PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64"}
 _SYSTEMS = {"win32": "windows"}
 """Names of operating systems in Python that differ from those of FMI."""
 
+_OTHER_SYSTEMS = {"macos": "darwin", "osx": "darwin", "mac": "darwin", "win": "windows", "win64": "windows"}
+"""Further names of operating systems, as users write them."""
+
 
 def host() -> Platform:
     """Return the platform of this machine.
@@ -75,8 +78,23 @@ def chosen_platforms(names: Iterable[str] | str | None = None) -> tuple[Platform
     Example:
         chosen_platforms(["x86_64-windows", "x86_64-linux"])
     """
+    for name in chosen(names) or ():
+        _require_processor(name)
     found = several("platforms", "platform", names, PLATFORMS) if names is not None else ()
     return tuple(PLATFORMS[name] for name in found) or (host(),)
+
+
+def _require_processor(name: object) -> None:
+    """Make sure that the name of a platform is not that of an operating system alone.
+
+    Raises:
+        OptionError: If it is one; the message names its platforms.
+    """
+    text = str(name).lower()
+    system = _OTHER_SYSTEMS.get(text, _SYSTEMS.get(text, text))
+    known = [quoted(one) for one in PLATFORMS if one.partition("-")[2] == system]
+    if known:
+        raise OptionError(f"unknown platform {quoted(name)}. Did you mean {' or '.join(known)}?")
 
 
 def compiler_for(platform: Platform) -> compilers.Compiler:

@@ -1,6 +1,7 @@
 """The list of artifacts: what can stand beside a source, and a new one through the same mechanism."""
 
 import importlib.util
+import re
 
 import pytest
 from typer.testing import CliRunner
@@ -9,7 +10,7 @@ import kanegen as kg
 from kanegen import artifacts
 from kanegen.artifacts import ARTIFACTS, Artifact, with_artifacts
 from kanegen.cli.app import app
-from kanegen.cli.targets import OTHER_NAMES, WITHOUT_FILES
+from kanegen.cli.targets import HINTS, OTHER_NAMES, WITHOUT_FILES
 from kanegen.errors import OptionError
 from kanegen.library import Library
 from tests.support.handmade import source as handmade
@@ -175,6 +176,12 @@ def test_targets_on_the_command_line(targets, tmp_path, names):
         ("scipy", "Use Library.rhs in Python"),
         ("c++", r"unknown target 'c\+\+'. Did you mean 'cpp'"),
         ("matlab", "unknown target 'matlab'. Did you mean 'octave'"),
+        ("js", "unknown target 'js'. Did you mean 'wasm'"),
+        ("acados", "unknown target 'acados'. Did you mean 'casadi'"),
+        ("microcontrollers", "unknown target 'microcontrollers'. Did you mean 'arduino'"),
+        ("python", "--for python: it needs no files. Use kanegen.build in Python"),
+        ("FMI", "unknown target 'FMI'. Did you mean 'fmi2' or 'fmi3'"),
+        ("c", "unknown target 'c'. The C is written without --for; 'description' adds"),
         ("rst", "unknown target 'rst'. Did you mean 'rust'"),
     ],
 )
@@ -188,4 +195,7 @@ def test_names_that_are_no_targets(tmp_path, name, message):
 def test_what_messages_on_targets_propose_exists():
     assert set(OTHER_NAMES.values()) <= {*ARTIFACTS, *WITHOUT_FILES}
     for path in WITHOUT_FILES.values():
-        assert hasattr(Library, path.removeprefix("Library.")) or importlib.util.find_spec(path)
+        owner, _, name = path.rpartition(".")
+        known = hasattr({"Library": Library, "kanegen": kg}.get(owner), name)
+        assert known or importlib.util.find_spec(path)
+    assert all(name in {*ARTIFACTS} for hint in HINTS.values() for name in re.findall(r"'(\w+)'", hint))

@@ -39,6 +39,14 @@ def test_the_table_describes_every_product(pendulum):
 def test_wrong_names_are_refused(pendulum, tmp_path):
     with pytest.raises(OptionError, match=r"unknown product 'wams'. Did you mean 'wasm'"):
         kg.export(pendulum, "wams", tmp_path)
+    with pytest.raises(OptionError, match=r"no compiler makes .* kg\.generate\(system, artifacts='rust'\)"):
+        kg.export(pendulum, "rust", tmp_path)
+    with pytest.raises(OptionError, match=r"unknown product 'fmi'. Did you mean 'fmi2' or 'fmi3'\?"):
+        kg.export(pendulum, "fmi", tmp_path)
+    with pytest.raises(OptionError, match=r"'linux'. Did you mean 'x86_64-linux' or 'aarch64-linux'\?"):
+        kg.export(pendulum, "fmi3", tmp_path, platforms="linux")
+    with pytest.raises(OptionError, match=r"'macOS'. Did you mean 'x86_64-darwin' or 'aarch64-darwin'\?"):
+        chosen_platforms(["macOS"])
     with pytest.raises(OptionError, match="the same on every platform"):
         kg.export(pendulum, "wasm", tmp_path, platforms="x86_64-linux")
     with pytest.raises(OptionError, match=r"unknown platform 'x86_64-window'. Did you mean 'x86_64-windows'"):
