@@ -58,6 +58,7 @@ def wasm(source: Source) -> dict[str, str]:
         "title": html.escape(model.shown),
         "has_batches": source.has_batches,
         "has_steps": any(function.name == STEP for function in source.functions),
+        "length": LENGTH.name if any(LENGTH.name in _names(one.inputs) for one in source.functions) else "",
     }
     names = {"model.js": f"{model.name}.js", "model.d.ts": f"{model.name}.d.ts"}
     return {

@@ -217,6 +217,68 @@ def test_statuses_have_the_words_of_the_library(browser: Any, pendulum: tuple[Pa
     ]
 
 
+NO_NUMBERS = {
+    "[null, 0]": "TypeError: forward_dynamics: x[0] is null instead of a number.",
+    "[0, undefined]": "TypeError: forward_dynamics: x[1] is undefined instead of a number.",
+    "[, 0]": "TypeError: forward_dynamics: x[0] is undefined instead of a number.",
+    "[0, '1']": "TypeError: forward_dynamics: x[1] is a string instead of a number.",
+    "[true, 0]": "TypeError: forward_dynamics: x[0] is a boolean instead of a number.",
+    "[1n, 0]": "TypeError: forward_dynamics: x[0] is a bigint instead of a number.",
+    "[Symbol(), 0]": "TypeError: forward_dynamics: x[0] is a symbol instead of a number.",
+    "[[1], [2]]": "TypeError: forward_dynamics: x[0] is an array instead of a number.",
+    "[new Date(0), 0]": "TypeError: forward_dynamics: x[0] is an object instead of a number.",
+    "new BigInt64Array(2)": "TypeError: forward_dynamics: x[0] is a bigint instead of a number.",
+    "{ length: 2 }": "TypeError: forward_dynamics: x[0] is undefined instead of a number.",
+    "'12'": "TypeError: forward_dynamics: x is a string instead of an array of numbers.",
+    "null": "TypeError: forward_dynamics: x is null instead of an array of numbers.",
+    "new Set([1, 2])": "TypeError: forward_dynamics: x is an object instead of an array of numbers.",
+    "new DataView(new ArrayBuffer(2))": (
+        "TypeError: forward_dynamics: x is an object instead of an array of numbers."
+    ),
+    "1": "RangeError: forward_dynamics: x has 1 numbers instead of 2.",
+}
+"""Arguments that hold no numbers, in JavaScript, and the errors in which they end."""
+
+OTHER_CALLS = {
+    "load({ state: 2 })": "TypeError: load: there is no option 'state', but wasm, states and onStatus.",
+    "load(5)": "TypeError: load: a number is no object of options, such as { states: 100 }.",
+    "load(null)": "TypeError: load: null is no object of options, such as { states: 100 }.",
+    "model.forward_dynamics([1, 2], [0, 0], [0, 0], [0])": (
+        "TypeError: forward_dynamics: 4 arguments were given, and it takes 3."
+    ),
+    "model.prepare([1, 2, 3, 4, '5'])": "TypeError: prepare: parameters[4] is a string instead of a number.",
+    "model.step_rk4([1, 2])": "RangeError: step_rk4: give step, a finite length in s; it is NaN.",
+    "model.step_rk4([1, 2], [0, 0], [0, 0], Infinity)": (
+        "RangeError: step_rk4: give step, a finite length in s; it is Infinity."
+    ),
+    "model.step_rk4([1, 2], [0, 0], [0, 0], null)": (
+        "TypeError: step_rk4: step is null instead of an array of numbers."
+    ),
+    "[...model.forward_dynamics(new Float32Array(2), { 0: 0, 1: 0, length: 2 }, new Uint8Array(2))]": "0,0",
+    "[...model.step_rk4([0, 0], [0, 0], [0, 0], 0.1).x_next, ...model.step_rk4().y_next]": "0,0,0,0",
+}
+"""Further calls, in JavaScript, and their errors or results."""
+
+
+def test_what_is_no_number_is_refused(browser: Any, pendulum: tuple[Path, kg.Source]) -> None:
+    opened = served(browser, pendulum[0] / FOLDER)
+    calls = {f"model.forward_dynamics({one}, [0, 0], [0, 0])": error for one, error in NO_NUMBERS.items()}
+    calls |= OTHER_CALLS
+    script = f"""async () => {{
+        const {{ load }} = await import("/double_pendulum.js"), model = await load();
+        const answers = [];
+        for (const call of [{", ".join(f"() => {call}" for call in calls)}]) {{
+            try {{
+                answers.push(String(await call()));
+            }} catch (error) {{
+                answers.push(String(error));
+            }}
+        }}
+        return answers;
+    }}"""
+    assert dict(zip(calls, opened.page.evaluate(script), strict=True)) == calls
+
+
 def test_the_page_follows_its_fields(browser: Any, pendulum: tuple[Path, kg.Source]) -> None:
     folder, source = pendulum
     opened = served(browser, folder / FOLDER)
