@@ -438,12 +438,26 @@ def test_rates_take_leading_axes(pendulum: Any, satellite: Any, jax: Any) -> Non
             )
 
 
+def test_gradients_over_no_states_are_zero(pendulum: Any, jax: Any) -> None:
+    y, none = np.array([0.5, -0.4]), np.zeros((0, 2))
+    total = jax.value_and_grad(lambda x, y: pendulum.forward_dynamics(x, y).sum(), argnums=(0, 1))
+    value, (by_x, by_y) = total(none, y)
+    assert value == 0 and by_x.shape == (0, 2)
+    np.testing.assert_array_equal(by_y, [0, 0])
+    columns = jax.jvp(pendulum.forward_dynamics, (none, none), (none, none))[1]
+    assert columns.shape == (0, 2)
+
+
 def test_derivatives_that_were_not_generated(pendulum: Any, jax: Any) -> None:
     x, y, tau = state(pendulum)
     with pytest.raises(OptionError, match="second derivatives, which are not generated"):
         jax.hessian(lambda x: pendulum.forward_dynamics(x, y, tau).sum())(x)
     with pytest.raises(OptionError, match=r"mass_matrix: JAX asks for the derivative by x\. There are no"):
         jax.grad(lambda x: pendulum.mass_matrix(x).sum())(x)
+    with pytest.raises(OptionError, match=r"apply jax\.lax\.stop_gradient to x, not to the result\."):
+        jax.grad(lambda x: (jax.lax.stop_gradient(pendulum.mass_matrix(x)) @ x).sum())(x)
+    found = jax.grad(lambda x: (pendulum.mass_matrix(jax.lax.stop_gradient(x)) @ x).sum())(x)
+    np.testing.assert_allclose(found, pendulum.mass_matrix(x).sum(axis=0), rtol=1e-15)
     with pytest.raises(OptionError, match=r"by step\. There are derivatives by x, y, tau, parameters"):
         jax.grad(lambda h: pendulum.step(x, y, tau, step=h)[0].sum())(0.1)
     bare = made("double_pendulum", derivatives=False)

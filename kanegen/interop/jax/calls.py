@@ -132,7 +132,7 @@ def _along(slopes: Arrays, rows: int, columns: Mapping[str, slice], moved: Mappi
         columns: Columns of the derivatives by each input that moves.
         moved: (*lead, numbers of one state) the direction, by input.
     """
-    matrix = slopes.reshape(*slopes.shape[:-1], rows, -1)
+    matrix = slopes.reshape(*slopes.shape[:-1], rows, slopes.shape[-1] // rows)
     return sum(
         jnp.einsum("...rk,...k->...r", matrix[..., own], moved[name], precision="highest")
         for name, own in columns.items()
@@ -159,7 +159,10 @@ def _require_slopes(
                 "first derivatives alone, such as BFGS or Gauss-Newton."
             )
         known = f"There are derivatives by {', '.join(by)}." if by else "There are no derivatives of it."
-        raise OptionError(f"{name}: JAX asks for the derivative by {', '.join(missing)}. {known}")
+        raise OptionError(
+            f"{name}: JAX asks for the derivative by {', '.join(missing)}. {known} Where the result counts "
+            f"as constant, apply jax.lax.stop_gradient to {missing[0]}, not to the result."
+        )
     lacking = {by[one] for one in moved} - signatures.keys()
     if lacking:
         raise OptionError(
