@@ -259,6 +259,50 @@ def test_prescribed_motion_is_followed_within_a_communication_step(made, kind):
         assert np.allclose(one.get(known_names(one, ("x.", "y."))), expected, rtol=1e-12, atol=1e-12)
 
 
+def test_prescribed_motion_goes_on_over_communication_steps(tmp_path):
+    """What is asked for after a step is that of one moment, and the motion does not jump back at the next."""
+    inertia = tuple(map(tuple, np.eye(3).tolist()))
+    slide = kg.Joint(free=(False,) * 6, prescribed=(False, False, False, True, False, False), name="slide")
+    hinge = kg.Joint(free=(False, True, False, False, False, False), name="q")
+    bodies = (
+        kg.Body("cart", 0, 1.0, inertia, joint=slide),
+        kg.Body("pole", 1, 1.0, inertia, mass_center=(0.0, 0.0, -1.0), joint=hinge),
+    )
+    system = kg.System("moved", bodies).with_points({"base": ("cart", (0.0, 0.0, 0.0))})
+    source = kg.generate(system, ("forward_dynamics", "rollout_rk4", "point_positions"), artifacts=["fmi3"])
+    value, rate, second = start = np.array([0.2, 1.0, -0.6])
+    with Instance(kg.export(source, "fmi3", tmp_path / "moved.fmu"), CO_SIMULATION) as one:
+        names = known_names(one, "prescribed.")
+        one.initialize({"step": 0.05, **dict(zip(names, start, strict=True))})
+        for number in range(4):
+            one.step(0.25 * number, 0.25)
+            t = 0.25 * (number + 1)
+            expected = [value + rate * t + second * t**2 / 2, rate + second * t, second]
+            assert np.allclose(one.get(names), expected, rtol=1e-14, atol=1e-14)
+            base = one.get(["point_positions.base"])
+            assert np.isclose(np.linalg.norm(base), expected[0], rtol=1e-14)
+        whole = one.get(["x.q", "y.q"])
+    with Instance(tmp_path / "moved.fmu", CO_SIMULATION) as one:
+        one.initialize({"step": 0.05, **dict(zip(names, start, strict=True))})
+        one.step(0.0, 1.0)
+        assert np.allclose(one.get(["x.q", "y.q"]), whole, rtol=1e-12)
+        assert abs(whole[0]) > 0.01
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("start", [0.0, 1e6, 1e9])
+def test_a_communication_step_cannot_be_made_twice(made, version, start):
+    with made.instance(system_of("double_pendulum"), version, CO_SIMULATION) as one:
+        one.initialize({"x.q1": 0.5}, time=start)
+        for number in range(3):
+            one.step(start + 5e-4 * number, 5e-4)
+            before = one.get(["x.q1", "y.q1"])
+            with pytest.raises(CALL_FAILED):
+                one.step(start + 5e-4 * number, 5e-4)
+            assert "s is none: the time is" in one.log[-1][2]
+            assert np.array_equal(one.get(["x.q1", "y.q1"]), before)
+
+
 def known_names(one, prefixes):
     return [name for name in one.variables if name.startswith(prefixes)]
 
@@ -394,10 +438,44 @@ def test_states_are_stored_restored_and_serialised(made, version, kind):
             restore(b"x" * len(data))
         assert "no state of this FMU" in one.log[-1][2]
         damaged = bytes(data[:39]) + b"\xff" * (len(data) - 39)
-        with pytest.raises(CALL_FAILED):
-            restore(damaged)
-        assert "damaged state" in one.log[-1][2]
+        one.set({"parameters.m1": 1.25})
+        stored = bytes(store(one.state()))
+        place = stored.index(np.float64(1.25).tobytes())
+        impossible = [
+            with_checksum(stored[:place] + np.float64(m1).tobytes() + stored[place + 8 :])
+            for m1 in (np.nan, np.inf, -1.0)
+        ]
+        for attempt in (damaged, *impossible):
+            with pytest.raises(CALL_FAILED):
+                restore(attempt)
+            assert "damaged state" in one.log[-1][2]
+        assert with_checksum(stored) == stored
         (one.fmu.freeFMUState if version == 3 else one.fmu.freeFMUstate)(state)
+
+
+def with_checksum(data):
+    """A stored state with the checksum of its other bytes: FNV-1a, of 64 bits."""
+    found = 14695981039346656037
+    for byte in data[:-8]:
+        found = (found ^ byte) * 1099511628211 % 2**64
+    return data[:-8] + found.to_bytes(8, sys.byteorder)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_stored_state_with_any_damaged_byte_is_refused(made, version):
+    rng = np.random.default_rng(version)
+    with made.instance(system_of("double_pendulum"), version) as one:
+        one.initialize({"x.q1": 0.5})
+        store = one.fmu.serializeFMUState if version == 3 else one.fmu.serializeFMUstate
+        restore = one.fmu.deserializeFMUState if version == 3 else one.fmu.deSerializeFMUstate
+        data = bytes(store(one.state()))
+        for place in range(len(data)):
+            damaged = bytearray(data)
+            damaged[place] ^= 1 << rng.integers(8)
+            with pytest.raises(CALL_FAILED):
+                restore(bytes(damaged))
+        assert len(one.log) == len(data)
+        restore(data)
 
 
 def test_instances_do_not_share_anything(made):
