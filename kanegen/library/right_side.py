@@ -48,7 +48,8 @@ class RightSide:
     """The rates of a state {x} then {y}, as a function of the time and the state.
 
     It has the order of arguments of `scipy.integrate.solve_ivp`: `rhs(t, state)`. Only one thread at a time
-    may use it, since it keeps the arrays of its calls.
+    may use it, since it keeps the arrays of its calls. Constant inputs are copied when it is made, and
+    functions get {x} and {y} as arrays of their own, which they may change.
 
     Attributes:
         evaluations: Number of states whose rates were computed so far.
@@ -73,7 +74,9 @@ class RightSide:
             tau_jac: (n, m + n) derivatives of a function `tau`, or a function that returns them.
         """
         self.evaluations = self.jacobians = 0
-        self._library, self._inputs, self._tau_jac = library, dict(inputs), tau_jac
+        self._library, self._inputs = library, dict(inputs)
+        is_constant = tau_jac is not None and not callable(tau_jac)
+        self._tau_jac = _doubles("tau_jac", tau_jac).copy() if is_constant else tau_jac
         self._m, self._n = len(library.coordinate_names), library.n
         self._are_rates = library.source.model.speeds_are_rates
         self._varying = [name for name, value in inputs.items() if callable(value)]
@@ -155,10 +158,10 @@ class RightSide:
         Example:
             state = library.rhs().state([0.1, 0.2])
         """
-        call = self._calls["forward_dynamics"]
-        call.x = self._library.source.model.neutral_coordinates if x is None else x
-        call.y = np.zeros(self._n) if y is None else y
-        return np.concatenate([call.x, call.y])
+        neutral = self._library.source.model.neutral_coordinates
+        coordinates = _shaped("x", neutral if x is None else x, (self._m,))
+        speeds = _shaped("y", np.zeros(self._n) if y is None else y, (self._n,))
+        return np.concatenate([coordinates, speeds])
 
     def parts(self, states: ArrayLike) -> tuple[Doubles, Doubles]:
         """Return {x} and {y} of a state, or of states in columns, as `solve_ivp` returns them.
@@ -167,7 +170,7 @@ class RightSide:
             states: (m + n,) or (m + n, T).
 
         Returns:
-            (m,) or (T, m) coordinates, and (n,) or (T, n) speeds.
+            (m,) or (T, m) coordinates, and (n,) or (T, n) speeds, which are copies.
 
         Raises:
             ArrayError: If there are more or fewer rows.
@@ -178,7 +181,7 @@ class RightSide:
         rows = _doubles("states", states).T
         if rows.ndim not in (1, 2) or rows.shape[-1] != self._m + self._n:
             self._refuse(rows.T.shape)
-        return np.ascontiguousarray(rows[..., : self._m]), np.ascontiguousarray(rows[..., self._m :])
+        return rows[..., : self._m].copy(), rows[..., self._m :].copy()
 
     def _jacobian(self, t: float, state: ArrayLike) -> Doubles:
         """Return the (m + n, m + n) derivatives of the rates of one state by the state."""
@@ -187,11 +190,11 @@ class RightSide:
         m = self._m
         slopes = np.zeros((m + self._n,) * 2)
         (found,) = self._computed("forward_dynamics_derivatives", t, given)
+        found = found.copy()  # tau_jac may use this Jacobian, too
         by = self._library.derivative_columns("forward_dynamics_derivatives")
         slopes[m:, :m], slopes[m:, m:] = found[:, by["x"]], found[:, by["y"]]
         if "tau" in self._varying:
-            x, y = self.parts(given)
-            own = self._tau_jac(t, x, y) if callable(self._tau_jac) else self._tau_jac
+            own = self._tau_jac(t, *self.parts(given)) if callable(self._tau_jac) else self._tau_jac
             slopes[m:] += found[:, by["tau"]] @ self._slopes_of_tau(own)
         if self._are_rates:
             slopes[:m, m:] = np.eye(m)
@@ -207,35 +210,49 @@ class RightSide:
         shape = (self._n, self._m + self._n)
         if found.ndim == 0 and found == 0.0:
             return np.zeros(shape)
-        if found.shape != shape:
-            raise ArrayError(f"tau_jac: expected shape {shape}, got {found.shape}.")
-        return found
+        return _shaped("tau_jac", found, shape)
 
     def _computed(self, name: str, t: float, state: Doubles) -> list[Floats]:
         """Return the results of a bound function in a state; they are valid up to its next call."""
         if state.shape != (self._m + self._n,):
             self._refuse(state.shape)
         call = self._call(name)
-        arrays, self._time = call.inputs, t
+        arrays, acting = call.inputs, self._acting(call, t, state)
         arrays["x"][...], arrays["y"][...] = state[: self._m], state[self._m :]
         if "t" in arrays:
             arrays["t"][...] = t
-        for varying in self._varying:
-            if varying in arrays:
-                function = self._inputs[varying]
-                acting = function(t, *self.parts(state)) if varying == "tau" else function(t)
-                setattr(call, varying, acting)
+        for varying, value in acting.items():
+            setattr(call, varying, value)
+        self._time = t
         call()
         return list(call.outputs.values())
 
+    def _acting(self, call: BoundCall, t: float, state: Doubles) -> dict[str, Doubles]:
+        """Return the values of the functions that a bound function reads.
+
+        They are complete before the arrays of the call are filled, since a function may use this right side.
+        """
+        found = {}
+        for name in self._varying:
+            if name in call.inputs:
+                function = self._inputs[name]
+                value = function(t, *self.parts(state)) if name == "tau" else function(t)
+                found[name] = _doubles(name, value).copy()
+        return found
+
     def _call(self, name: str) -> BoundCall:
-        """Return a bound function, bound when it is first used."""
+        """Return a bound function, bound when it is first used.
+
+        A constant is kept as the first function has it, so that all have the same though the caller changes
+        the array, or the table of parameters, that was given.
+        """
         if name not in self._calls:
             rule: OnStatus = "ignore" if self._library.on_status == "ignore" else self._react
             call = self._library.with_on_status(rule).bind(name)
             for one, value in self._inputs.items():
                 if one in (*call.inputs, PARAMETERS) and not callable(value) and value is not None:
                     setattr(call, one, value)
+                    self._inputs[one] = getattr(call, one).copy()
             self._calls[name] = call
         return self._calls[name]
 
@@ -265,6 +282,18 @@ def _doubles(name: str, value: object) -> Doubles:
         ArrayError: If it holds anything but real numbers in rows of one length.
     """
     return np.asarray(floats(name, value, np.dtype(np.float64)), np.float64)
+
+
+def _shaped(name: str, value: object, shape: tuple[int, ...]) -> Doubles:
+    """Return an argument of a shape as an array of doubles.
+
+    Raises:
+        ArrayError: If it has another shape, or holds anything but real numbers.
+    """
+    found = _doubles(name, value)
+    if found.shape != shape:
+        raise ArrayError(f"{name}: expected shape {shape}, got {found.shape}.")
+    return found
 
 
 class RightSides(Derivatives, Embedding):

@@ -215,7 +215,7 @@ class Inputs:
         if self.effort is not None:
             found["tau"] = self._efforts(self.effort, time, x, y)
         if self.prescribed is not None:
-            found["prescribed"] = np.asarray(self.prescribed(time), y.dtype)
+            found["prescribed"] = np.array(self.prescribed(time), y.dtype)
         if self.signals:
             self._add_signals(found, time, x, y)
         for place, table, column in self.columns:
@@ -248,8 +248,11 @@ class Inputs:
         return found[place.argument]
 
     def _efforts(self, effort: Effort, time: float, x: Floats, y: Floats) -> Floats:
-        """Return the generalized forces of a function, of the type of {y}, after a check of their shape."""
-        tau = np.asarray(effort(time, x, y))
+        """Return the generalized forces of a function, of the type of {y}, after a check of their shape.
+
+        The function gets a copy of the state, since it may compute in place.
+        """
+        tau = np.asarray(effort(time, x.copy(), y.copy()))
         if tau.dtype.kind not in "iuf" or tau.shape not in (y.shape, y.shape[-1:]):
             raise OptionError(
                 f"effort: at t = {time:.9g} s it returned {tau.dtype} of shape {tau.shape}; expected real "

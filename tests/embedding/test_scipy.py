@@ -153,6 +153,43 @@ def test_parameters(pendulum: kg.Library) -> None:
     assert pendulum.rhs(parameters=list(heavy.parameters.values()))(0.0, state).tolist() == expected
 
 
+def test_functions_may_compute_in_place_and_use_the_right_side(pendulum: kg.Library) -> None:
+    """What a function does to its arguments, or with the right side meanwhile, changes no state."""
+
+    def in_place(t: float, x: Any, y: Any) -> Any:
+        x[:] = 0.0
+        y *= -0.1
+        return y
+
+    def nested(t: float, x: Any, y: Any) -> Any:
+        return rhs(0.0, rhs.state([0.7, 0.1], y))[2:] if t else np.zeros(2)
+
+    def nested_slopes(t: float, x: Any, y: Any) -> Any:
+        return rhs.jac(0.0, rhs.state([0.7, 0.1], y))[2:] * [0.0, 0.0, 1.0, 1.0] if t else np.zeros((2, 4))
+
+    start = np.array([0.3, -0.2, 0.1, 0.4])
+    expected = pendulum.rhs(-0.1 * start[2:])(0.0, start)
+    rates = pendulum.rhs(in_place)(0.0, start)
+    assert rates.tolist() == expected.tolist() and start.tolist() == [0.3, -0.2, 0.1, 0.4]
+    rhs = pendulum.rhs(nested, tau_jac=nested_slopes)
+    inner = pendulum.rhs()(0.0, [0.7, 0.1, *start[2:]])[2:]
+    assert rhs(1.0, start).tolist() == pendulum.rhs(inner)(0.0, start).tolist()
+    assert np.abs(rhs.jac(1.0, start) - differences(rhs, 1.0, start)).max() <= 1e-7
+    forces = kg.simulate(pendulum, start[:2], start[2:], 0.5, effort=in_place)
+    expected = kg.simulate(pendulum, start[:2], start[2:], 0.5, effort=lambda t, x, y: -0.1 * y)
+    assert forces.x.tolist() == expected.x.tolist() and forces.y.tolist() == expected.y.tolist()
+
+
+def test_constants_that_change_later_change_nothing(pendulum: kg.Library) -> None:
+    """The Jacobian, which is bound later, is that of the same system as the rates."""
+    tau, parameters, state = np.array([1.0, 2.0]), {"m2": 2.0}, np.array([0.3, -0.2, 0.1, 0.4])
+    rhs, other = (pendulum.rhs(tau, parameters=parameters) for _ in range(2))
+    expected = other.jac(0.0, state).tolist(), other(0.0, state).tolist()
+    tau[:], parameters["m2"] = 9.0, 9.0
+    for one in (rhs, pickle.loads(pickle.dumps(rhs))):
+        assert (one.jac(0.0, state).tolist(), one(0.0, state).tolist()) == expected
+
+
 def test_what_does_not_fit_says_so(pendulum: kg.Library) -> None:
     with pytest.raises(OptionError, match="without the output 'forward_dynamics_derivatives'"):
         _ = built("double_pendulum", ("forward_dynamics",)).rhs().jac
