@@ -83,7 +83,7 @@ class BoundCall:
         """
         call: Call = native.calls[name]
         batch = () if states is None else (states,)
-        inputs, outputs = call.arrays(batch)
+        inputs, outputs = (_unresizable(arrays) for arrays in call.arrays(batch))
         if "x" in inputs:
             x = inputs["x"]
             (x if x.ndim == len(batch) + 1 else x[..., 0])[...] = native.source.model.neutral_coordinates
@@ -152,6 +152,10 @@ class BoundCall:
             known = (*self.inputs, "parameters")
             raise AttributeError(f"there is no input {quoted(name)}. {did_you_mean(name, known)}")
 
+    def __delattr__(self, name: str) -> NoReturn:
+        """Say that a call needs all of its arrays."""
+        raise AttributeError(f"{quoted(name)} cannot be deleted: a bound call needs all of its arrays.")
+
     @property
     def parameters(self) -> Floats:
         """(P,) run-time parameters in the order of `Library.parameter_names`, or (B, P) for each state.
@@ -199,6 +203,11 @@ class BoundCall:
         if self._on_status != "ignore":
             results = list(self.outputs.values())
             self._call.react(status, self._constants, self.inputs, results, self._batch, self._on_status)
+
+
+def _unresizable(arrays: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Return arrays that NumPy refuses to resize, whose memory C reads and fills."""
+    return {name: array.view() for name, array in arrays.items()}
 
 
 class _Unloaded:

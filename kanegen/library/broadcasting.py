@@ -83,13 +83,19 @@ class BroadcastFunction:
             The result, or a tuple of results, with the broadcast dimensions before those of one state.
 
         Raises:
-            ArrayError: If an argument has the wrong shape or type, is missing, or does not broadcast.
+            ArrayError: If an argument has the wrong shape or type, is missing, or does not broadcast, or
+                memory cannot hold the arrays of all states.
             StatusError: See `Library.with_on_status`.
         """
         given = self._named(values, inputs)
-        arrays = {name: self._array(name, value) for name, value in given.items()}
-        batch = self._batch({name: lead for name, (_, lead) in arrays.items()})
-        found = self._run({name: _rows(array, lead, batch) for name, (array, lead) in arrays.items()})
+        try:
+            arrays = {name: self._array(name, value) for name, value in given.items()}
+            batch = self._batch({name: lead for name, (_, lead) in arrays.items()})
+            found = self._run({name: _rows(array, lead, batch) for name, (array, lead) in arrays.items()})
+        except MemoryError:
+            raise ArrayError(
+                f"{self.__name__}: memory cannot hold the arrays of so many states. Give fewer at once."
+            ) from None
         shaped = [
             one.reshape((*batch, *shape)) for one, shape in zip(found, self._outputs.values(), strict=True)
         ]

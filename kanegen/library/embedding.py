@@ -47,7 +47,7 @@ class Embedding(CompiledModel):
         count = None if states is None else int(states)
         try:
             return BoundCall(name, self._native, self._parameters, self._constants, self._on_status, count)
-        except MemoryError:
+        except (MemoryError, ValueError):  # NumPy raises the second where the size is no index
             raise OptionError(f"states: memory cannot hold the arrays of {count} states.") from None
 
     def ufunc(self, name: str) -> BroadcastFunction:

@@ -134,8 +134,13 @@ def test_what_does_not_fit_says_so(pendulum: kg.Library, satellite: kg.Library) 
         pendulum.bind("prepare")
     with pytest.raises(OptionError, match="no whole number"):
         pendulum.bind("forward_dynamics", states=-1)
-    with pytest.raises(OptionError, match="memory cannot hold the arrays of 1000000000000 states"):
-        pendulum.bind("forward_dynamics", states=10**12)
+    for states in (10**12, 2**62, 10**30):
+        with pytest.raises(OptionError, match=f"memory cannot hold the arrays of {states} states"):
+            pendulum.bind("forward_dynamics", states=states)
+    with pytest.raises(AttributeError, match="'x' cannot be deleted: a bound call needs all"):
+        del call.x
+    with pytest.raises(ValueError, match="cannot resize this array"):
+        call.x.resize(1000, refcheck=False)
     with pytest.raises(TypeError, match="pickle the library, and bind it again there"):
         pickle.dumps(call)
     with pytest.raises(ArrayError, match="has no run-time parameters"):
@@ -204,6 +209,9 @@ def test_broadcasting(pendulum: kg.Library) -> None:
         forward_dynamics(x, np.zeros(3))
     with pytest.raises(ArrayError, match="given twice"):
         forward_dynamics(x, y, y=y)
+    for many in ((2**45,), (2**23, 2**23)):
+        with pytest.raises(ArrayError, match="memory cannot hold the arrays of so many states"):
+            forward_dynamics(np.broadcast_to(x[0, 0], (*many, 2)), y[0])
     with pytest.raises(ArrayError, match="no such argument"):
         forward_dynamics(x, y, yy=y)
 
