@@ -26,7 +26,8 @@ def write(files: Mapping[str, str | bytes], folder: Path, force: bool = False) -
     Args:
         files: Text, or bytes, of every file by its path in the folder, such as "rust/src/lib.rs".
         folder: The folder, which is made where it is missing.
-        force: Whether to write beside files of another origin, and over files of the same names.
+        force: Whether to write beside files of another origin, and over files of the same names; never
+            through links that lead out of the folder.
 
     Raises:
         WriteError: If the files cannot be written; all then is as it was.
@@ -123,6 +124,8 @@ def _refuse_foreign(folder: Path, files: Collection[str], force: bool) -> None:
     foreign = []
     for path in _met(folder, folders):
         name = path.relative_to(folder).as_posix()
+        if name in files or name in folders:
+            _refuse_way_out(path, folder)
         same = folded.get(name.casefold(), name)
         if same != name:
             raise WriteError(
@@ -135,6 +138,16 @@ def _refuse_foreign(folder: Path, files: Collection[str], force: bool) -> None:
         raise WriteError(
             f"{folder}: holds {', '.join(sorted(foreign))}, which are not this model's files as kanegen "
             "wrote them. Choose another folder, delete them, or force it: --force, force=True."
+        )
+
+
+def _refuse_way_out(path: Path, folder: Path) -> None:
+    """Raise if what is to be written in `folder` is a link to a place outside of it, also where forced."""
+    target = Path(os.path.realpath(path))
+    if path.is_symlink() and not target.is_relative_to(os.path.realpath(folder)):
+        raise WriteError(
+            f"{folder}: {path.relative_to(folder).as_posix()} is a link to {target}, outside of the folder, "
+            "which is not written. Delete the link, or choose another folder."
         )
 
 

@@ -290,9 +290,28 @@ def test_a_link_to_a_folder_elsewhere_is_not_followed(generated, tmp_path):
     elsewhere.mkdir()
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "rust").symlink_to(elsewhere)
-    with pytest.raises(WriteError, match=": holds rust, which are not this model's files"):
-        write(nested(generated), tmp_path / "out")
+    for force in (False, True):
+        with pytest.raises(WriteError, match=r"out: rust is a link to .*elsewhere, outside of the folder"):
+            write(nested(generated), tmp_path / "out", force)
     assert not any(elsewhere.iterdir())
+
+
+def test_a_link_to_a_file_elsewhere_is_not_followed(generated, tmp_path):
+    mine, out = tmp_path / "mine.md", tmp_path / "out"
+    generated.write(out)
+    mine.write_text("mine")
+    (out / "README.md").unlink()
+    (out / "README.md").symlink_to("../mine.md")
+    for check in (generated.write, lambda folder, force: require_room(generated.files, folder, force)):
+        for force in (False, True):
+            with pytest.raises(WriteError, match=r"README.md is a link to .*mine.md, outside of the folder"):
+                check(out, force)
+    assert mine.read_text() == "mine"
+    (out / "README.md").unlink()
+    (out / "README.md").symlink_to("notes.md")
+    (out / "notes.md").write_text("of an older version")
+    generated.write(out, force=True)
+    assert (out / "notes.md").read_text() == generated.files["README.md"]
 
 
 def test_folders_that_differ_in_case_from_those_below(generated, tmp_path):
