@@ -88,9 +88,9 @@ def main(file: Path) -> None:
         print(f"{name}: {largest[:2500].max():.3g} mrad, after the push {largest[2500:].max():.3g} mrad")
         axis.semilogy(STEP * np.arange(0, STEPS, 10), largest[::10], label=name)
     axis.axvspan(2.5, 2.7, color="0.9", label="push of 8 N")
-    axis.set(xlabel="time, s", ylabel="largest error of a joint, mrad", xlim=(0, 4), ylim=(1e-2, 1e4))
+    axis.set(xlabel="time, s", ylabel="largest error of a joint, mrad", xlim=(0, 4), ylim=(1e-2, 3e2))
     axis.grid(alpha=0.3)
-    axis.legend(ncols=2, loc="upper center")
+    figure.legend(ncols=2, loc="outside upper center")
     figure.savefig(file)
 
 

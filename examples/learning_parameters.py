@@ -22,11 +22,8 @@ from numpy.typing import NDArray
 import kanegen as kg
 import kanegen.interop.jax
 
-STEP, STEPS, NOISE = 0.01, 300, 0.02
-"""Length of a step (s), their number, and the standard deviation of the noise of measured angles (rad)."""
-
-STARTS, ITERATIONS, RATE = 12, 250, 0.05
-"""Numbers of first guesses and of iterations of Adam, and its learning rate at the start."""
+STEP, STEPS, NOISE = 0.01, 300, 0.02  # s, number, standard deviation of measured angles in rad
+STARTS, ITERATIONS, RATE = 12, 250, 0.05  # first guesses, iterations of Adam, its learning rate at the start
 
 jax.config.update("jax_enable_x64", True)
 model = kg.load(Path(__file__).parents[1] / "models" / "double_pendulum.toml")
@@ -46,7 +43,7 @@ def angles(logarithms: Any) -> Any:
 
 
 def learned(start: Any, measured: NDArray[np.float64]) -> Any:
-    """Return (ITERATIONS, 2) masses (kg) by Adam (Kingma and Ba 2015) from logarithms of masses."""
+    """Return (ITERATIONS, 2) masses (kg), from the start on, by Adam (Kingma and Ba 2015) from logarithms."""
 
     def cost(logarithms: Any) -> Any:
         return ((angles(logarithms) - measured) ** 2).mean() / NOISE**2
@@ -56,8 +53,8 @@ def learned(start: Any, measured: NDArray[np.float64]) -> Any:
         slope = jax.grad(cost)(now)
         mean, square = 0.9 * mean + 0.1 * slope, 0.99 * square + 0.01 * slope**2
         size = (1 - 0.9**k) * (jnp.sqrt(square / (1 - 0.99**k)) + 1e-8)
-        now = now - RATE * (1 - k / ITERATIONS) * mean / size
-        return (now, mean, square), jnp.exp(now)
+        after = now - RATE * (1 - k / ITERATIONS) * mean / size
+        return (after, mean, square), jnp.exp(now)
 
     return jax.lax.scan(iteration, (start, 0 * start, 0 * start), jnp.arange(1, ITERATIONS + 1))[1]
 
@@ -68,24 +65,27 @@ def standard_errors(masses: Any) -> NDArray[np.float64]:
     return NOISE * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
 
 
-def draw(paths: Any, measured: NDArray[np.float64], file: Path) -> None:
+def draw(paths: Any, measured: Any, true: Any, file: Path) -> None:
     """Write a picture of the paths of the masses, and of measured and simulated angles."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
-    for path in paths:
-        left.loglog(*path[::5].T, lw=0.8)
-        left.loglog(*path[0], "k.")
-    left.set(xlabel="m1, kg", ylabel="m2, kg", title="from first guesses to learned masses")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4.2), layout="constrained")
+    left.plot(*paths.T, "C0", lw=0.6)
+    left.plot(*paths[:, 0].T, "k.", label="first guesses")
+    left.plot(*true, "C3*", ms=11, label="true masses")
     t = STEP * np.arange(STEPS + 1)
-    right.plot(t[::4], measured[::4], ".", ms=3, color="0.5")
-    right.plot(t, angles(jnp.log(paths[0, 0])), "C1--", t, angles(jnp.log(paths[0, -1])), "C0-", lw=1)
-    right.set(xlabel="time, s", ylabel="angles, rad", title="measured, first guess (dashed), learned")
+    for masses, line, name in ((paths[0, 0], "--", "first guess"), (paths[0, -1], "-", "learned")):
+        for k, values in enumerate(angles(jnp.log(masses)).T):
+            right.plot(t, values, f"C{k}{line}", lw=1, label=f"angle {k + 1}, {name}")
+    right.plot(t[::8], measured[::8], "k.", ms=3, label=["measured", ""])
+    for axis, across, up in ((left, "m1, kg", "m2, kg"), (right, "time, s", "angle, rad")):
+        axis.set(xlabel=across, ylabel=up)
+        axis.grid(alpha=0.3)
+        axis.legend(ncols=3, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0))
     figure.savefig(file)
 
 
 def main(file: Path) -> None:
     """Measure a motion, learn the masses from it, and print and draw them."""
-    rng = np.random.default_rng(0)
-    true = np.array([1.0, 0.5])
+    rng, true = np.random.default_rng(0), np.array([1.0, 0.5])
     measured = angles(np.log(true)) + NOISE * rng.standard_normal((STEPS + 1, 2))
     starts = np.log(true * rng.uniform(0.4, 2.5, (STARTS, 2)))
     paths = np.asarray(jax.jit(jax.vmap(learned, (0, None)))(starts, measured))
@@ -93,7 +93,7 @@ def main(file: Path) -> None:
     for name, *row in zip(("m1", "m2"), end, standard_errors(end), true, strict=True):
         print("{} = {:.4f} kg with a standard error of {:.4f} kg; true is {} kg".format(name, *row))
     print(f"{STARTS} first guesses end within {np.ptp(paths[:, -1], axis=0).max():.1e} kg")
-    draw(paths, measured, file)
+    draw(paths, measured, true, file)
 
 
 if __name__ == "__main__":

@@ -70,6 +70,9 @@ def draw(motions: dict[float, kg.Trajectory], feedback: Array, file: Path) -> No
     ):
         axis.set(ylabel=label, ylim=limits)
         axis.grid(alpha=0.3)
+    for side in (-LARGEST_FORCE, LARGEST_FORCE):
+        axes[2].axhline(side, color="grey", linewidth=0.8, linestyle="--")
+    axes[0].text(0.95, -0.85, "from 0.9 rad the pole falls: its lines leave the panels", color="C3")
     axes[0].legend(ncols=2)
     axes[2].set(xlabel="time, s", xlim=(0, 4))
     figure.savefig(file)

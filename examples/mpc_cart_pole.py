@@ -85,10 +85,10 @@ def main(file: Path) -> None:
     axes[0].plot(times, np.cos(states[:, 0]))
     axes[1].plot(times, states[:, 1])
     axes[2].step(times[:-1], forces, where="post")
-    labels = {"cos(pole)": 1.0, "cart, m": RAIL, "force, N": LARGEST_FORCE}
-    for axis, (label, limit) in zip(axes, labels.items(), strict=True):
+    for axis, label in zip(axes, ("cosine of pole's angle", "cart, m", "force, N"), strict=True):
         axis.set(ylabel=label)
         axis.grid(alpha=0.3)
+    for axis, limit in ((axes[1], RAIL), (axes[2], LARGEST_FORCE)):
         for side in (-limit, limit):
             axis.axhline(side, color="grey", linewidth=0.8, linestyle="--")
     axes[2].set(xlabel="time, s", xlim=(0, times[-1]))

@@ -86,9 +86,11 @@ def main(file: Path) -> None:
     axes[0].plot(times, np.cos(states[:, 0]))
     axes[1].plot(times, states[:, 1])
     axes[2].step(times[:-1], forces, where="post")
-    for axis, label in zip(axes, ("cosine of the pole", "cart, m", "force, N"), strict=True):
+    for axis, label in zip(axes, ("cosine of pole's angle", "cart, m", "force, N"), strict=True):
         axis.set(ylabel=label)
         axis.grid(alpha=0.3)
+    for side in (-LARGEST_FORCE, LARGEST_FORCE):
+        axes[2].axhline(side, color="grey", linewidth=0.8, linestyle="--")
     axes[2].set(xlabel="time, s", xlim=(0, times[-1]))
     figure.savefig(file)
 

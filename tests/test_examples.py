@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,13 @@ def test_an_example_has_at_most_a_hundred_lines_and_its_picture_and_place_on_the
     assert f"](../examples/{file.name})" in page and f"](examples/{file.stem}.svg)" in page
     picture = ROOT / "docs" / "examples" / f"{file.stem}.svg"
     assert picture.stat().st_size < 100_000
+
+
+def test_pictures_of_the_pole_that_swings_up_have_the_same_words() -> None:
+    for name in ("mppi_cart_pole", "mpc_cart_pole"):
+        picture = (ROOT / "docs" / "examples" / f"{name}.svg").read_text(encoding="utf-8")
+        words = set(re.findall("<!-- ([a-z].*?) -->", picture))
+        assert words == {"cosine of pole's angle", "cart, m", "force, N", "time, s"}
 
 
 def test_lqr_catches_the_pole_from_angles_up_to_a_limit(
