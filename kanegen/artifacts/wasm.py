@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from kanegen.artifacts.loads import with_rows_read
 from kanegen.artifacts.model_fields import model_fields
 from kanegen.artifacts.statuses import requirements
 from kanegen.c.formats import Formats, formats
@@ -50,7 +51,7 @@ def wasm(source: Source) -> dict[str, str]:
     variables = {
         "model": model,
         "arrays": _arrays(source, kinds),
-        "methods": [_Method.of(function, kinds) for function in source.functions],
+        "methods": [_Method.of(with_rows_read(one, model), kinds) for one in source.functions],
         "conditions": _conditions(source),
         "description": _fields(source),
         "shown": json.dumps(_shown(source.functions)),

@@ -245,8 +245,8 @@ def test_a_status_names_the_freedom(folder):
     """
     holds, place, second, third = said(body, folder).splitlines()
     assert (holds, place, third) == ("1", "q1", "1")
-    text = "double_pendulum::forward_dynamics: a result does not exist in this state because of q1 (status 1)"
-    assert second == text
+    text = "double_pendulum::forward_dynamics: a result does not exist in this state because of q1, "
+    assert second == f"{text}or an input is infinite or NaN (status 1)"
 
 
 ARRAYS = """
@@ -258,6 +258,8 @@ ARRAYS = """
     say(object.forward_dynamics(x, y, tau)[0] == ydot[0]);
     say(object.kinetic_energy(plain, pendulum::view<const double, 2>(grown.data()), number).value());
     say(object.kinetic_energy(x, y) == number);
+    double A[2][2];
+    say(object.mass_matrix(x, A).value() == 0 && A[1][1] == object.mass_matrix(x)[3]);
     std::vector<double> rows(2*100, 0.1), energies(100);
     say(object.kinetic_energy_batch(rows, rows, energies));
     say(energies[0] > 0 && energies[0] == energies[99]);
@@ -284,9 +286,9 @@ ARRAYS = """
 def test_arguments_are_arrays_of_any_kind(folder):
     printed = said(ARRAYS, folder)
     assert printed.splitlines() == [
-        *("0", "1", "0", "1", "0", "1"),
+        *("0", "1", "0", "1", "1", "0", "1"),
         "kinetic_energy_batch: arrays have different numbers of rows.",
-        "kanegen: an array has another size than the function needs.",
+        "kanegen: an array has 3 elements, but the function needs 2.",
         "kanegen: an array does not consist of whole rows.",
         *("0", "10", "1"),
         "rollout_rk4: x_path and y_path need steps/every + 1 rows.",
@@ -327,7 +329,7 @@ def test_matrices_of_eigen_are_taken_as_they_are(folder, standard):
     flags = ("-isystem", str(EIGEN))
     printed = said(MATRICES, folder, "#include <Eigen/Core>\n", flags=flags, standard=standard)
     gaps = "kanegen: there are gaps between the numbers of a matrix. Copy it into one without gaps."
-    size = "kanegen: an array has another size than the function needs."
+    size = "kanegen: an array has 3 elements, but the function needs 2."
     assert printed.splitlines() == ["0", "1", "0", "1", "0", "1", "0", gaps, gaps, size]
 
 

@@ -178,7 +178,8 @@ WRONG = {
     "double_pendulum.forcing(x, y, struct('m1', {1, 2}))": "parameters: parameters is an array of structs",
     "double_pendulum.forcing(x, y, struct('g', Inf))": "parameters: with these parameters, a constant is",
     "double_pendulum.forward_dynamics(x, y, [], struct('l1', 0))": "missing: forward_dynamics: the pivot of "
-    "[A] at freedom q1 of body upper is not positive or is NaN: [A] is singular.",
+    "[A] at freedom q1 of body upper is not positive or is NaN: [A] is singular, or an input is infinite "
+    "or NaN.",
 }
 """Calls, and the beginning of identifier and message of their errors."""
 
@@ -193,6 +194,34 @@ def test_wrong_arguments_end_in_one_line(built: dict[str, tuple[kg.Source, Path]
     printed = octave("\n".join(lines), folder).splitlines()
     for (call, message), line in zip(WRONG.items(), printed, strict=False):
         assert line.startswith(f"kanegen:double_pendulum:{message}"), (call, line)
+
+
+@pytest.mark.embed("octave", "mkoctfile")
+def test_loads_that_the_model_does_not_take_are_errors(built: dict[str, tuple[kg.Source, Path]]) -> None:
+    """Row 1 is that of the bus, which takes loads; the panels take none."""
+    _, folder = built["satellite"]
+    printed = octave(
+        """
+        x = [1; zeros(8, 1)]; y = zeros(8, 1); load = zeros(3); load(2, 1) = 1;
+        a = satellite.forward_dynamics(x, y, [], [1 2 3; 0 0 0; 0 0 0]);
+        assert(all(isfinite(a)) && any(a != 0));
+        try
+          satellite.forward_dynamics(x, y, [], load); disp('no error');
+        catch e
+          disp([e.identifier ': ' strrep(e.message, 'satellite_mex: ', '')]);
+        end
+        try
+          satellite.forward_dynamics([x x], y, [], [], cat(3, zeros(3), NaN*load)); disp('no error');
+        catch e
+          disp(strrep(e.message, 'satellite_mex: ', ''));
+        end
+        """,
+        folder,
+    )
+    message = (
+        "row 2 is not zero, but body 'left_panel' takes no loads. Enter it among the loads of the model."
+    )
+    assert printed.splitlines()[:2] == [f"kanegen:satellite:loads: force: {message}", f"torque: {message}"]
 
 
 @pytest.mark.embed("octave", "mkoctfile")
@@ -216,6 +245,7 @@ def test_statuses_parameters_and_sizes(built: dict[str, tuple[kg.Source, Path]])
         assert(isequal(double_pendulum.forward_dynamics(x, y), a));
         n = double_pendulum.names();
         assert(isequal(n.freedoms, {'q1'; 'q2'}) && isequal(n.parameters{1}, 'g'));
+        assert(isequal(n.speed_units, {'rad/s'; 'rad/s'}));
 
         lastwarn('', '');
         f = double_pendulum.forcing([NaN; 0], y);
@@ -269,7 +299,7 @@ def test_help_names_arrays_and_units(built: dict[str, tuple[kg.Source, Path]]) -
 def test_the_mex_file_compiles_without_warnings(tmp_path: Path) -> None:
     """Octave's header is not needed: only what the file calls is declared."""
     (tmp_path / "mex.h").write_text(MEX)
-    for case in ("single", "body", "by_state"):
+    for case in ("single", "body", "by_state", "satellite"):
         model, choices = CASES[case]
         source = kg.generate(kg.load(MODELS / f"{model}.toml"), artifacts="octave", **choices)
         for name, text in source.files.items():

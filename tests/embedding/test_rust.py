@@ -215,6 +215,7 @@ fn main() {
     println!("{found}");
     assert!(found.source().is_none());
     assert_eq!(names::FREEDOM_NAMES[1], "q2");
+    assert_eq!(names::SPEED_UNITS, ["rad/s"; 2]);
 
     let infinite = Parameters { g: f64::INFINITY, ..Parameters::default() };
     println!("{}", Model::new(&infinite).unwrap_err());
@@ -279,7 +280,7 @@ def test_statuses_and_wrong_arguments(crates: Path, tmp_path: Path, target: Path
     lines = cargo("run", "--quiet", folder=folder, target=target).splitlines()
     assert lines[:4] == [
         'forward_dynamics: the pivot of [A] at freedom "q1" of body "upper" is not positive or is NaN: '
-        "[A] is singular",
+        "[A] is singular, or an input is infinite or NaN",
         "prepare: a result is infinite or NaN",
         "array y has 2 rows, not 3",
         "forcing: 1 of 3 states have a status other than 0",

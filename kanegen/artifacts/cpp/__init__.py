@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from kanegen.artifacts.cpp.methods import Batch, Method, RolloutMethod
 from kanegen.artifacts.cpp.tables import places, row_names, sizes, tables
+from kanegen.artifacts.loads import with_rows_read
 from kanegen.c.formats import formats
 from kanegen.c.interface import PREPARE
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
 from kanegen.model.identifiers import identifiers
-from kanegen.model.quoting import c_name
+from kanegen.model.quoting import c_comment, c_name
 from kanegen.program.ir import PREPARED
 
 VIEWS = "kanegen_views.hpp"
@@ -22,7 +23,7 @@ VIEWS = "kanegen_views.hpp"
 def cpp(source: Source) -> dict[str, str]:
     """Return `<model>.hpp` and the header of views, by their names."""
     model, kinds = source.model, formats(source.variant)
-    functions = [function for function in source.functions if function.name != PREPARE]
+    functions = [with_rows_read(one, model, c_comment) for one in source.functions if one.name != PREPARE]
     prepared = [array.size for f in source.functions if f.name == PREPARE for array in f.outputs]
     text = fill(
         "artifacts/cpp/model.hpp",

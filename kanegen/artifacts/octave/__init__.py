@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from kanegen.artifacts.loads import unloaded_rows, with_rows_read
 from kanegen.artifacts.statuses import Requirement, requirements
 from kanegen.c.declarations import contacts, reactions
 from kanegen.c.formats import formats
@@ -41,11 +42,13 @@ class MexArray:
         name: Its name.
         shape: Its shape for one state.
         is_optional: Whether it may be left out, which means zero.
+        unloaded: Name in C of the table of who takes no load in which row, "NULL" where there is none.
     """
 
     name: str
     shape: tuple[int, ...]
     is_optional: bool
+    unloaded: str
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,7 @@ def refusal(source: Source) -> str:
 
 
 def _functions(source: Source) -> list[Function]:
-    return [one for one in source.functions if one.name != PREPARE]
+    return [with_rows_read(one, source.model) for one in source.functions if one.name != PREPARE]
 
 
 def _variables(source: Source) -> dict[str, Any]:
@@ -134,6 +137,7 @@ def _variables(source: Source) -> dict[str, Any]:
         "parameter": arrays.parameters.c_type,
         "prepared": arrays.of(PREPARED).c_type,
         "functions": functions,
+        "unloaded": _unloaded(source),
         "most_axes": max(1, *(len(array.shape) for one in functions for array in one.arrays)),
         "most_arrays": max(len(one.arrays) for one in functions),
         "freedoms": [
@@ -159,8 +163,8 @@ def _mex_function(function: Function, source: Source) -> MexFunction:
     call = ["prepared"] * has_prepared + [f"in[{i}]" for i in range(len(inputs))]
     call += [f"out[{i}]" for i in range(len(function.outputs))]
     arrays = [
-        *(MexArray(array.name, array.shape, array.name in OPTIONAL) for array in inputs),
-        *(MexArray(array.name, array.shape, False) for array in function.outputs),
+        *(MexArray(one.name, one.shape, one.name in OPTIONAL, _table_of(one, source)) for one in inputs),
+        *(MexArray(one.name, one.shape, False, "NULL") for one in function.outputs),
     ]
     return MexFunction(
         function.name,
@@ -172,6 +176,21 @@ def _mex_function(function: Function, source: Source) -> MexFunction:
         has_prepared,
         function.has_batch,
     )
+
+
+def _table_of(array: Array, source: Source) -> str:
+    return f"unloaded_{array.name}" if unloaded_rows(array, source.model) else "NULL"
+
+
+def _unloaded(source: Source) -> dict[str, list[str]]:
+    """Return for each array of loads whose rows are not all read who takes no load in which row, in C."""
+    arrays = {array.name: array for one in _functions(source) for array in one.inputs}
+    found = {}
+    for name, array in arrays.items():
+        if unloaded := unloaded_rows(array, source.model):
+            rows = [unloaded.get(row, "") for row in range(array.shape[0])]
+            found[name] = [f'"{c_text(row)}"' if row else "NULL" for row in rows]
+    return found
 
 
 def _prepare(prepare: Function, source: Source) -> dict[str, Any]:
@@ -242,8 +261,8 @@ def _tables(source: Source) -> list[tuple[str, Sequence[str]]]:
         ("coordinates", model.coordinate_names),
         ("coordinate_units", model.coordinate_units),
         ("freedoms", model.freedom_names),
-        ("freedom_units", model.freedom_units),
         ("speeds", model.speed_names or model.freedom_names),
+        ("speed_units", [f"{unit}/s" for unit in model.freedom_units]),
         ("bodies", model.body_names),
         ("parameters", [name for name, _ in model.parameters]),
         ("points", [name for name, _ in model.points]),

@@ -8,9 +8,11 @@ arrays of the right lengths, so that no call can reach beyond one. `names` has w
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from kanegen import __version__
+from kanegen.artifacts.loads import with_rows_read
 from kanegen.artifacts.rust.arguments import (
     PAIR,
     SCALARS,
@@ -87,12 +89,13 @@ def _without_provenance(text: str) -> str:
 def _variables(source: Source) -> dict[str, Any]:
     """Return the variables of all templates."""
     model, types = source.model, Types(formats(source.variant))
-    functions = [one for one in source.functions if one.name != PREPARE]
+    functions = [with_rows_read(one, model) for one in source.functions if one.name != PREPARE]
+    rollouts = [replace(one, step=with_rows_read(one.step, model)) for one in source.rollouts]
     prepare = next((one for one in source.functions if one.name == PREPARE), None)
     crate = crate_name(model.name, source.variant.precision)
     scalar = types.number(functions[0].outputs[0])
     methods = [method for function in functions for method in methods_of(model.name, function, types)]
-    for one in source.rollouts:
+    for one in rollouts:
         batches = [rollout_batch(model.name, one, types)] * source.has_batches
         methods += [rollout(model.name, one, types), *batches]
     calls = [call_of(one, types) for one in functions]
@@ -106,8 +109,8 @@ def _variables(source: Source) -> dict[str, Any]:
         **_flags(source),
         "symbols": [(name, own) for name, own, _ in _foreign(source, types, crate) if name != own],
         "functions": functions,
-        "rollouts": source.rollouts,
-        "has_held": any(one.held for one in source.rollouts),
+        "rollouts": rollouts,
+        "has_held": any(one.held for one in rollouts),
         "has_batches": source.has_batches,
         "needs_error": source.has_batches or bool(source.rollouts),
         "prepared": _prepared(prepare, types) if prepare else None,

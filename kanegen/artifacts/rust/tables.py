@@ -93,9 +93,11 @@ def tables(source: Source, formats: Formats, kind: str) -> Iterator[Table]:
     yield _texts("COORDINATE_NAMES", "Names of the coordinates, in the order of `x`.", model.coordinate_names)
     yield _texts("COORDINATE_UNITS", "Units of the coordinates.", model.coordinate_units)
     yield _texts("FREEDOM_NAMES", "Names of the freedoms, in the order of `y`.", model.freedom_names)
-    yield _texts("FREEDOM_UNITS", "Units of the freedoms; `y` is in these per second.", model.freedom_units)
     speeds = model.speed_names or model.freedom_names
     yield _texts("SPEED_NAMES", "Names of the generalized speeds, in the order of `y`.", speeds)
+    yield _texts(
+        "SPEED_UNITS", "Units of the generalized speeds.", [f"{one}/s" for one in model.freedom_units]
+    )
     yield _texts("BODY_NAMES", "Names of the bodies.", model.body_names)
     yield _texts("FREEDOM_BODIES", "Names of the bodies to which the freedoms belong.", model.freedom_bodies)
     yield _texts("ROW_NAMES", "Names of the rows of results that a status can name.", model.rows)
