@@ -87,6 +87,14 @@ def test_gradients_of_a_pendulum(torch: Any, pendulum: Any) -> None:
     assert check(lambda *a: pendulum.step_rk4(*a[:3], step=0.1, parameters=a[3]), (x, y, tau, parameters))
 
 
+def test_gradients_over_no_states_are_zero(torch: Any, pendulum: Any) -> None:
+    none, y = torch.zeros((0, 2), dtype=torch.float64, requires_grad=True), numbers(torch, 2)
+    pendulum.forward_dynamics(none, y).sum().backward()
+    assert none.grad.shape == (0, 2) and torch.equal(y.grad, torch.zeros_like(y))
+    pendulum.kinetic_energy(none, y).sum().backward()
+    assert torch.equal(y.grad, torch.zeros_like(y))
+
+
 def test_gradients_with_quaternions_and_loads(torch: Any, satellite: Any) -> None:
     x, y = numbers(torch, 2, 9), numbers(torch, 2, 8, seed=1)
     loaded = torch.tensor(satellite.library.source.model.loaded)[:, None]

@@ -188,7 +188,8 @@ class _Rule:
                 operands = [given[name] for name in self.signatures[one.function].inputs]
                 matrix = self.every[one.function](*operands)[one.place]
                 axes = matrix.dim() - len(self.signatures[one.function].outputs[one.place])
-                matrix = matrix.reshape(*matrix.shape[:axes], along.shape[-1], -1)
+                height, size = along.shape[-1], prod(matrix.shape[axes:])
+                matrix = matrix.reshape(*matrix.shape[:axes], height, size // height)
                 change = torch.einsum("...rk,...r->...k", matrix, along)
                 for name, columns in own.items():
                     shaped = change[..., columns].reshape(*lead, *signature.inputs[name])
