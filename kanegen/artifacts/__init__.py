@@ -56,8 +56,25 @@ ARTIFACTS: dict[str, Artifact] = {
         Artifact("cmake", "Builds and installs the code as a library.", cmake, _not_in_c, is_default=True),
         Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, _not_in_c, is_default=True),
         Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
-        Artifact("description", "Names the elements of arrays, and tells of them.", description, _not_in_c),
-        Artifact("cpp", "A class in C++17, in headers alone.", cpp, _not_in_c, usual_outputs=motion),
+        Artifact(
+            "description",
+            "Names the elements of arrays, and tells of them.",
+            description,
+            _not_in_c,
+            next_step="Include `{model}_description.h`; `{model}_describe()` returns names, units and "
+            "limits as JSON",
+            page="docs/embedding/description.md",
+        ),
+        Artifact(
+            "cpp",
+            "A class in C++17, in headers alone.",
+            cpp,
+            _not_in_c,
+            usual_outputs=motion,
+            next_step="Include `{model}.hpp` and compile `{model}.c` as C; the methods of "
+            "`kanegen::{model}::model` are the functions",
+            page="docs/embedding/cpp.md",
+        ),
         Artifact(
             "reanchoring",
             "Re-anchors joints at run time.",
@@ -67,7 +84,15 @@ ARTIFACTS: dict[str, Artifact] = {
         ),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
         Artifact(
-            "arduino", "Is a library for microcontrollers.", arduino, arduino_refusal, precision="float"
+            "arduino",
+            "A library for microcontrollers.",
+            arduino,
+            arduino_refusal,
+            precision="float",
+            usual_outputs=motion,
+            next_step="Copy `arduino/{model}` into the folder of libraries of Arduino, PlatformIO, Zephyr "
+            "or ESP-IDF",
+            page="docs/embedding/microcontrollers.md",
         ),
         Artifact(
             "casadi",
@@ -76,6 +101,9 @@ ARTIFACTS: dict[str, Artifact] = {
             casadi_refusal,
             precision="double",
             usual_outputs=usual_outputs,
+            next_step="Compile the C to a shared library, and load functions by `casadi.external`; "
+            "`{model}_casadi.c` lists them",
+            page="docs/embedding/casadi.md",
         ),
         Artifact(
             "octave",
@@ -83,6 +111,8 @@ ARTIFACTS: dict[str, Artifact] = {
             octave,
             octave_refusal,
             usual_outputs=motion,
+            next_step="Call `{model}.build()` in MATLAB or Octave in this folder; each function has help",
+            page="docs/embedding/octave.md",
         ),
         Artifact(
             "rust",
@@ -90,6 +120,8 @@ ARTIFACTS: dict[str, Artifact] = {
             rust,
             rust_refusal,
             usual_outputs=motion,
+            next_step="Add the crate to a package: `cargo add --path`, with the path of the folder `rust`",
+            page="docs/embedding/rust.md",
         ),
         Artifact(
             "fmi2",
@@ -99,6 +131,9 @@ ARTIFACTS: dict[str, Artifact] = {
             outputs=fmi.needed_outputs,
             precision="double",
             usual_outputs=fmi.usual_outputs,
+            next_step="Import `{model}_fmi2.fmu`, which `kanegen generate --for fmi2` compiles of the "
+            "sources in `fmi2`",
+            page="docs/embedding/fmi.md",
         ),
         Artifact(
             "fmi3",
@@ -108,6 +143,9 @@ ARTIFACTS: dict[str, Artifact] = {
             outputs=fmi.needed_outputs,
             precision="double",
             usual_outputs=fmi.usual_outputs,
+            next_step="Import `{model}_fmi3.fmu`, which `kanegen generate --for fmi3` compiles of the "
+            "sources in `fmi3`",
+            page="docs/embedding/fmi.md",
         ),
         Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
         Artifact(
@@ -116,6 +154,8 @@ ARTIFACTS: dict[str, Artifact] = {
             simulink,
             simulink_refusal,
             usual_outputs=motion,
+            next_step="Set up the block C Caller as `{model}_simulink.md` says",
+            page="docs/embedding/simulink.md",
         ),
         Artifact(
             "wasm",
@@ -123,6 +163,9 @@ ARTIFACTS: dict[str, Artifact] = {
             wasm,
             wasm_refusal,
             usual_outputs=motion,
+            next_step="Add the package by `npm install`, with the path of the folder `wasm`; "
+            "`wasm/README.md` calls it",
+            page="docs/embedding/webassembly.md",
         ),
     )
 }
@@ -212,7 +255,9 @@ def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     for name in asked:
         made[name] = _files(name, source)
     purposes = {ARTIFACTS[name].summary: tuple(files) for name, files in made.items()}
-    source = replace(source, artifacts=possible, beside={**source.beside, **purposes})  # for the README
+    steps = {name: _next_step(ARTIFACTS[name], source) for name in asked if ARTIFACTS[name].next_step}
+    beside, next_steps = {**source.beside, **purposes}, {**source.next_steps, **steps}  # for the README
+    source = replace(source, artifacts=possible, beside=beside, next_steps=next_steps)
     for name in possible:
         if ARTIFACTS[name].is_default and name not in made:
             made[name] = _files(name, source)
@@ -220,6 +265,12 @@ def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     for name in ARTIFACTS:
         files |= made.get(name, {})
     return replace(source, files=files)
+
+
+def _next_step(artifact: Artifact, source: Source) -> str:
+    """Return what users do next with the files of an artifact, and where that is documented."""
+    done = artifact.next_step.replace("{model}", source.model.name)
+    return f"{done} (`{artifact.page}` of kanegen)"
 
 
 def _files(name: str, source: Source) -> dict[str, str]:

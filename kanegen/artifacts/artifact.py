@@ -32,6 +32,9 @@ class Artifact:
             `generate` adds them where the user names no outputs.
         usual_outputs: Outputs, given in the same way, that `generate` adds as well where the user names no
             outputs, and that the artifact can do without.
+        next_step: What users do next with the files, in a clause for the README; `{model}` is the name of the
+            model.
+        page: Path of the page on the artifact in kanegen's repository.
         precision: Precision of the arithmetic that the artifact takes where the user names none, one of
             `precision.PRECISIONS`; "" for that of the source.
 
@@ -50,6 +53,8 @@ class Artifact:
     outputs: Sequence[str] | Callable[[System], Sequence[str]] = ()
     precision: str = ""
     usual_outputs: Sequence[str] | Callable[[System], Sequence[str]] = ()
+    next_step: str = ""
+    page: str = ""
 
     def __post_init__(self) -> None:
         """Check that there is such a precision."""

@@ -23,6 +23,7 @@ from kanegen.c.templates import fill
 from kanegen.model.quoting import c_comment
 from kanegen.program.ir import PREPARED, Array
 from kanegen.program.precision import FLOAT, Precision
+from kanegen.recursion.outputs import RATES
 
 FOLDER = "wasm"
 """Folder of the files, a package of npm, beside the C."""
@@ -58,13 +59,14 @@ def wasm(source: Source) -> dict[str, str]:
         "held": _held(source.functions),
         "title": html.escape(model.shown),
         "has_batches": source.has_batches,
+        "called": _called(source.functions),
         "has_steps": any(function.name == STEP for function in source.functions),
         "length": LENGTH.name if any(LENGTH.name in _names(one.inputs) for one in source.functions) else "",
     }
     names = {"model.js": f"{model.name}.js", "model.d.ts": f"{model.name}.d.ts"}
     return {
         f"{FOLDER}/{names.get(template, template)}": fill(f"artifacts/wasm/{template}", **variables)
-        for template in ("model.js", "model.d.ts", "index.html", "package.json")
+        for template in ("model.js", "model.d.ts", "index.html", "package.json", "README.md")
     }
 
 
@@ -166,6 +168,13 @@ def _shown(functions: Sequence[Function]) -> dict[str, list[tuple[str, int]]]:
     """Return the functions whose results the page shows, with the lengths of rows of their arrays."""
     some = [one for one in functions if one.name != PREPARE and LENGTH.name not in _names(one.inputs)]
     return {one.name: [(array.name, array.row) for array in one.outputs] for one in some}
+
+
+def _called(functions: Sequence[Function]) -> Function | None:
+    """Return the function that the README calls, {ydot} where the source has it; None if all are steps."""
+    shown = _shown(functions)
+    some = [one for one in functions if one.name in shown]
+    return next((one for one in some if one.name == RATES[0]), next(iter(some), None))
 
 
 def _held(functions: Sequence[Function]) -> str:

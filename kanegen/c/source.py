@@ -42,6 +42,7 @@ class Source:
         target: Name of the language.
         artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
         beside: Purpose of each artifact that was asked for, with the names of its files.
+        next_steps: What users do next with each artifact that was asked for, by its name.
         certificate: The fields of the certificate of a budget, {} without one.
         render_input: The programs that were printed, with the choices for the code; None for a source that
             was not made by `render`.
@@ -66,6 +67,7 @@ class Source:
     target: str = "c99"
     artifacts: tuple[str, ...] = ()
     beside: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    next_steps: Mapping[str, str] = field(default_factory=dict)
     certificate: Mapping[str, Any] = field(default_factory=dict)
     render_input: RenderInput | None = field(default=None, repr=False, compare=False)
     system: System | None = field(default=None, repr=False, compare=False)

@@ -99,7 +99,9 @@ For = Annotated[
         "--for",
         metavar="NAMES",
         help="Also write files for other languages and programs, one name or several separated by commas "
-        f"(repeatable). Outputs that they call are added unless --output names some: {', '.join(TARGETS)}.",
+        "(repeatable). Unless --output names outputs, there are those that they call, mass_matrix, "
+        "forcing, and for most targets forward_dynamics, contact_dynamics where contacts hold, and "
+        f"coordinate_rates where speeds are no rates of coordinates: {', '.join(TARGETS)}.",
         show_default=False,
     ),
 ]

@@ -146,6 +146,34 @@ def test_two_artifacts_with_different_precisions(targets):
         kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=["rust", "wide"])
 
 
+def test_targets_have_the_motion_unless_outputs_are_named():
+    system = kg.load(MODELS / "satellite.toml")
+    for name in ("arduino", "cpp", "octave", "rust", "simulink", "wasm"):
+        assert artifacts.outputs_with([name], system)[2:] == ("forward_dynamics", "coordinate_rates")
+
+
+def test_the_readme_says_what_to_do_next():
+    targets = [one for one in ARTIFACTS.values() if one.page]
+    assert {one.name for one in targets} >= {"arduino", "casadi", "cpp", "fmi2", "fmi3", "rust", "wasm"}
+    assert all((MODELS.parent / one.page).is_file() and one.next_step for one in targets)
+    system = kg.load(MODELS / "planar_pendulum.toml")
+    made = kg.generate(system, artifacts=["rust", "wasm"], batches=False)
+    lines = [
+        line for line in made.files["README.md"].splitlines() if line.startswith(("- rust: ", "- wasm: "))
+    ]
+    assert "docs/embedding/rust.md" in lines[0]
+    assert "`wasm/README.md`" in lines[1]
+    assert "model.forward_dynamics()" in made.files["wasm/README.md"]
+    assert "What to do next" not in kg.generate(system, batches=False).files["README.md"]
+
+
+def test_nouns_and_verbs_of_the_readme_fit_their_number():
+    made = kg.generate(kg.load(MODELS / "planar_pendulum.toml"), "forward_dynamics", batches=False)
+    readme = made.files["README.md"]
+    assert "planar_pendulum_forward_dynamics` returns the place" in readme
+    assert not re.search(r"^- 1 .*s$", readme, re.MULTILINE)
+
+
 @pytest.mark.parametrize("other", ["casadi", "fmi2", "fmi3"])
 def test_targets_that_have_doubles_alone_do_not_go_with_one_in_float(other):
     with pytest.raises(OptionError, match=f"arduino takes float and {other} takes double"):
