@@ -357,5 +357,5 @@ def test_the_page(tmp_path: Path) -> None:
         kg.build(kg.load(PENDULUM), ("forward_dynamics",)), [0.5, 0.3], [0, 0], [0.0, 1.0], step=1e-3
     )
     assert f"{last.x[-1, 0]:.4f} {last.x[-1, 0]:.4f} {last.x[-1, 0]:.4f}" in printed.splitlines()
-    assert "q1 (rad)" in printed and "[acceleration, status]" in printed
+    assert "q1 (rad/s)" in printed and "[acceleration, status]" in printed
     assert "  0  3" in printed.splitlines()
