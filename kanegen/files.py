@@ -63,8 +63,8 @@ def write_whole(path: Path, text: str) -> None:
     write_all({path: text})
 
 
-def write_all(texts: Mapping[Path, str | bytes]) -> None:
-    """Write files, all of them or none.
+def write_all(texts: Mapping[Path, str | bytes], removed: Sequence[Path] = ()) -> None:
+    """Write files, all of them or none, and remove others with them.
 
     All are written to temporary folders first and then renamed. If one cannot be renamed, those before it get
     their old content back. A link is followed, and a file keeps its permissions. Only if the process is
@@ -72,9 +72,11 @@ def write_all(texts: Mapping[Path, str | bytes]) -> None:
 
     Args:
         texts: Text, or bytes, of every file by its path.
+        removed: Paths of other files, on the file system of the first of those that are written. They go
+            last, so that a killed process leaves no less than there was.
 
     Raises:
-        WriteError: If a file cannot be written; all files then stay as they are.
+        WriteError: If a file cannot be written or removed; all files then stay as they are.
     """
     targets = {path: _writable_target(path) for path in texts}
     with ExitStack() as stack:
@@ -88,7 +90,9 @@ def write_all(texts: Mapping[Path, str | bytes]) -> None:
                 staged[path] = folders[parent] / f"{number}.new"
                 staged[path].write_bytes(text if isinstance(text, bytes) else text.encode())
         stack.enter_context(_one_writer_at_a_time(sorted(folders)))
-        _replace([(path, staged[path], targets[path]) for path in texts])
+        moves = [(path, staged[path], targets[path]) for path in texts]
+        kept = next(iter(folders.values())) if folders else None
+        _replace(moves, [(path, kept / f"{number}.removed") for number, path in enumerate(removed) if kept])
 
 
 def make_folder(path: Path) -> None:
@@ -192,11 +196,12 @@ def _writable_target(path: Path) -> Path:
     return target
 
 
-def _replace(moves: Sequence[tuple[Path, Path, Path]]) -> None:
+def _replace(moves: Sequence[tuple[Path, Path, Path]], removals: Sequence[tuple[Path, Path]] = ()) -> None:
     """Rename new files to their targets; at a failure those before it get their old content back.
 
     Args:
         moves: The path that the caller named, the new file, and the target, for each file.
+        removals: The path of each file to remove, and the path in a temporary folder to which it goes.
 
     Raises:
         WriteError: If a file cannot be renamed.
@@ -211,6 +216,10 @@ def _replace(moves: Sequence[tuple[Path, Path, Path]]) -> None:
                     _copy(target, old)
                 replaced.append((old, target))
                 os.replace(new, target)
+        for path, old in removals:
+            with _reported(path), suppress(FileNotFoundError):  # another process may have removed it
+                os.replace(path, old)
+                replaced.append((old, path))
     except BaseException:
         for old, target in reversed(replaced):
             with suppress(OSError):

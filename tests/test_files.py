@@ -141,13 +141,13 @@ def test_a_process_that_was_forked_during_a_write_holds_no_lock(
     replace = files._replace
     children = []
 
-    def forking(moves: Any) -> None:
+    def forking(*arguments: Any) -> None:
         child = os.fork()
         if child == 0:
             time.sleep(60)
             os._exit(0)
         children.append(child)
-        replace(moves)
+        replace(*arguments)
 
     with monkeypatch.context() as patch:
         patch.setattr(files, "_replace", forking)

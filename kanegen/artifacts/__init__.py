@@ -42,7 +42,7 @@ from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
 from kanegen.recursion.outputs import EQUATIONS, INTEGRATORS, OUTPUTS
 
-__all__ = ["ARTIFACTS", "Artifact", "chosen", "outputs_with", "variant_with", "with_artifacts"]
+__all__ = ["ARTIFACTS", "Artifact", "chosen", "outputs_with", "places", "variant_with", "with_artifacts"]
 
 
 def _not_in_c(source: Source) -> str:
@@ -52,10 +52,31 @@ def _not_in_c(source: Source) -> str:
 ARTIFACTS: dict[str, Artifact] = {
     artifact.name: artifact
     for artifact in (
-        Artifact("example", "A program that calls every function once.", example, _not_in_c, is_default=True),
-        Artifact("cmake", "Builds and installs the code as a library.", cmake, _not_in_c, is_default=True),
+        Artifact(
+            "example",
+            "A program that calls every function once.",
+            example,
+            _not_in_c,
+            is_default=True,
+            places=("main.c",),
+        ),
+        Artifact(
+            "cmake",
+            "Builds and installs the code as a library.",
+            cmake,
+            _not_in_c,
+            is_default=True,
+            places=("CMakeLists.txt",),
+        ),
         Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, _not_in_c, is_default=True),
-        Artifact("readme", "Describes files, arrays and costs.", readme, _not_in_c, is_default=True),
+        Artifact(
+            "readme",
+            "Describes files, arrays and costs.",
+            readme,
+            _not_in_c,
+            is_default=True,
+            places=("README.md",),
+        ),
         Artifact(
             "description",
             "Names the elements of arrays, and tells of them.",
@@ -93,6 +114,7 @@ ARTIFACTS: dict[str, Artifact] = {
             next_step="Copy `arduino/{model}` into the folder of libraries of Arduino, PlatformIO, Zephyr "
             "or ESP-IDF",
             page="docs/embedding/microcontrollers.md",
+            places=("arduino",),
         ),
         Artifact(
             "casadi",
@@ -113,6 +135,7 @@ ARTIFACTS: dict[str, Artifact] = {
             usual_outputs=motion,
             next_step="Call `{model}.build()` in MATLAB or Octave in this folder; each function has help",
             page="docs/embedding/octave.md",
+            places=("+{model}",),
         ),
         Artifact(
             "rust",
@@ -122,6 +145,7 @@ ARTIFACTS: dict[str, Artifact] = {
             usual_outputs=motion,
             next_step="Add the crate to a package: `cargo add --path`, with the path of the folder `rust`",
             page="docs/embedding/rust.md",
+            places=("rust",),
         ),
         Artifact(
             "fmi2",
@@ -134,6 +158,7 @@ ARTIFACTS: dict[str, Artifact] = {
             next_step="Import `{model}_fmi2.fmu`, which `kanegen generate --for fmi2` compiles of the "
             "sources in `fmi2`",
             page="docs/embedding/fmi.md",
+            places=("fmi2",),
         ),
         Artifact(
             "fmi3",
@@ -146,8 +171,15 @@ ARTIFACTS: dict[str, Artifact] = {
             next_step="Import `{model}_fmi3.fmu`, which `kanegen generate --for fmi3` compiles of the "
             "sources in `fmi3`",
             page="docs/embedding/fmi.md",
+            places=("fmi3",),
         ),
-        Artifact("self-test", "Says what a compiler does to IEEE arithmetic.", selftest, _not_in_c),
+        Artifact(
+            "self-test",
+            "Says what a compiler does to IEEE arithmetic.",
+            selftest,
+            _not_in_c,
+            places=("selftest.c",),
+        ),
         Artifact(
             "simulink",
             "Functions with fixed sizes for the block C Caller.",
@@ -166,6 +198,7 @@ ARTIFACTS: dict[str, Artifact] = {
             next_step="Add the package by `npm install`, with the path of the folder `wasm`; "
             "`wasm/README.md` calls it",
             page="docs/embedding/webassembly.md",
+            places=("wasm",),
         ),
     )
 }
@@ -264,7 +297,12 @@ def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     files = dict(source.files)
     for name in ARTIFACTS:
         files |= made.get(name, {})
-    return replace(source, files=files)
+    return replace(source, files=files, places=places(source.model.name))
+
+
+def places(model: str) -> tuple[str, ...]:
+    """Return the names of files and folders of all artifacts of a model that do not begin with its name."""
+    return tuple(place.format(model=model) for artifact in ARTIFACTS.values() for place in artifact.places)
 
 
 def _next_step(artifact: Artifact, source: Source) -> str:

@@ -37,6 +37,8 @@ class Artifact:
         page: Path of the page on the artifact in kanegen's repository.
         precision: Precision of the arithmetic that the artifact takes where the user names none, one of
             `precision.PRECISIONS`; "" for that of the source.
+        places: Names of its files, and of the folders of its files, in the folder of the source, as far as
+            they do not begin with the name of the model, for which "{model}" stands.
 
     Raises:
         OptionError: If there is no such precision.
@@ -55,6 +57,7 @@ class Artifact:
     usual_outputs: Sequence[str] | Callable[[System], Sequence[str]] = ()
     next_step: str = ""
     page: str = ""
+    places: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that there is such a precision."""

@@ -1,7 +1,8 @@
 """Generated files on disk: safe writing into a folder and the folders below it.
 
 By the line of provenance (`kanegen.c.provenance`) kanegen recognises its files, so that no foreign and no
-edited file is overwritten. Either all files appear, each of them whole, or none.
+edited file is overwritten. Either all files appear, each of them whole, or none. Files that an earlier call
+made of the same model, and that the new one does not make, go away with it: they would belong to other code.
 """
 
 from __future__ import annotations
@@ -12,15 +13,27 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 
-from kanegen.c.provenance import is_unchanged
+from kanegen.c.provenance import BINARY, is_unchanged
 from kanegen.errors import WriteError
 from kanegen.files import PREFIX, reason, require_writable, temporary_folder, write_all
+
+_HEAD = 1024
+"""Bytes at the beginning of a text within which the line of provenance ends."""
+
+_OF_EVERY_MODEL = ".pc.in"
+"""End of the name of a file that stands beside the C of every model, after the name of the model."""
 
 _COMMON = "kanegen_"
 """Start of the names of headers that do not depend on the model, any of which a new version may leave out."""
 
 
-def write(files: Mapping[str, str | bytes], folder: Path, force: bool = False) -> Path:
+def write(
+    files: Mapping[str, str | bytes],
+    folder: Path,
+    force: bool = False,
+    model: str = "",
+    places: Collection[str] = (),
+) -> tuple[str, ...]:
     """Write `files` into `folder` under the rules of `Source.write`.
 
     Args:
@@ -28,15 +41,22 @@ def write(files: Mapping[str, str | bytes], folder: Path, force: bool = False) -
         folder: The folder, which is made where it is missing.
         force: Whether to write beside files of another origin, and over files of the same names; never
             through links that lead out of the folder.
+        model: Name of the model, with which names of its files begin; "" if no old files are to go away.
+        places: Names of other files and of folders in `folder` that files of the model can have.
+
+    Returns:
+        The names of the old files that were removed; of a folder that is gone its name, such as "rust/".
 
     Raises:
         WriteError: If the files cannot be written; all then is as it was.
     """
     with _reported(folder):
         if folder.is_dir():
-            _refuse_foreign(folder, files, force)
+            outdated = _outdated(folder, files, force, model, places)
             with _new_folders(folder, files):
-                write_all({folder / name: content for name, content in files.items()})
+                removed = [folder / name for name in outdated]
+                write_all({folder / name: content for name, content in files.items()}, removed)
+            return _without_empty_folders(folder, outdated)
         else:
             _require_absent(folder)
             folder.parent.mkdir(parents=True, exist_ok=True)
@@ -46,10 +66,16 @@ def write(files: Mapping[str, str | bytes], folder: Path, force: bool = False) -
                     (complete / name).parent.mkdir(parents=True, exist_ok=True)
                     (complete / name).write_bytes(content if isinstance(content, bytes) else content.encode())
                 complete.rename(folder)
-    return folder
+    return ()
 
 
-def require_room(names: Collection[str], folder: Path, force: bool = False) -> None:
+def require_room(
+    names: Collection[str],
+    folder: Path,
+    force: bool = False,
+    model: str = "",
+    places: Collection[str] = (),
+) -> None:
     """Check that `write` could write files of these names, before the long work that makes them.
 
     Raises:
@@ -57,7 +83,7 @@ def require_room(names: Collection[str], folder: Path, force: bool = False) -> N
     """
     with _reported(folder):
         if folder.is_dir():
-            _refuse_foreign(folder, names, force)
+            _outdated(folder, names, force, model, places)
             with _new_folders(folder, names, stay=False):
                 require_writable(*(folder / name for name in names))
         else:
@@ -117,11 +143,21 @@ def _require_absent(folder: Path) -> None:
     raise OSError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
 
 
-def _refuse_foreign(folder: Path, files: Collection[str], force: bool) -> None:
-    """Raise unless every file in `folder` may be replaced, also on a disk that ignores the case of names."""
+def _outdated(
+    folder: Path, files: Collection[str], force: bool, model: str, places: Collection[str]
+) -> list[str]:
+    """Return the names of old files of the model that `files` lack, after a check of all that `folder` holds.
+
+    Names are compared as on a disk that ignores their case.
+
+    Raises:
+        WriteError: If the folder holds other files, or edited ones, and `force` is false.
+    """
     folders = _folders(files)
     folded = {name.casefold(): name for name in (*files, *folders)}
-    foreign = []
+    other = _other_models(folder, model)
+    foreign: list[str] = []
+    outdated: list[str] = []
     for path in _met(folder, folders):
         name = path.relative_to(folder).as_posix()
         if name in files or name in folders:
@@ -132,13 +168,74 @@ def _refuse_foreign(folder: Path, files: Collection[str], force: bool) -> None:
                 f"{folder}: holds {name}, which is the same file as {same} on disks that ignore "
                 "the case of names. Choose another folder or another name of the model."
             )
-        if not _is_replaceable(path, name in files):
+        if name not in files and model and _may_be_own(name, model, places, other):
+            old, rest = _sorted_out(folder, path)
+            outdated += old
+            foreign += rest
+        elif not _is_replaceable(path, name in files):
             foreign.append(name)
     if foreign and not force:
         raise WriteError(
             f"{folder}: holds {', '.join(sorted(foreign))}, which are not this model's files as kanegen "
             "wrote them. Choose another folder, delete them, or force it: --force, force=True."
         )
+    return sorted(outdated)
+
+
+def _other_models(folder: Path, model: str) -> list[str]:
+    """Return the names of other models whose code is in `folder`, by their files for pkg-config."""
+    names = [path.name.removesuffix(_OF_EVERY_MODEL) for path in folder.glob(f"*{_OF_EVERY_MODEL}")]
+    return [name for name in names if name != model]
+
+
+def _may_be_own(name: str, model: str, places: Collection[str], others: Collection[str]) -> bool:
+    """Return whether an old file or folder of the model can have this name.
+
+    Names that do not begin with that of the model count only where there is no other model, which may have
+    them, too.
+    """
+    top, _, below = name.partition("/")
+    if top in places or PurePosixPath(name).name.startswith(_COMMON):
+        return not others
+    longer = [one for one in others if len(one) > len(model)]
+    return not below and _begins_with(top, model) and not any(_begins_with(top, one) for one in longer)
+
+
+def _begins_with(name: str, model: str) -> bool:
+    """Return whether the name of a file begins with that of a model, as in "arm.h" and "arm_batch.c"."""
+    return name.startswith((f"{model}.", f"{model}_"))
+
+
+def _sorted_out(folder: Path, path: Path) -> tuple[list[str], list[str]]:
+    """Return the names of kanegen's unchanged files at or below `path`, and those of what else is there.
+
+    A folder that holds nothing of kanegen counts as one.
+    """
+    name = path.relative_to(folder).as_posix()
+    if path.name.startswith(PREFIX):
+        return [], []
+    if path.is_symlink() or not path.is_dir():
+        is_own = not path.is_symlink() and path.is_file() and _is_unchanged(path)
+        return ([name], []) if is_own else ([], [name])
+    parts = [_sorted_out(folder, below) for below in path.iterdir()]
+    own = [one for part in parts for one in part[0]]
+    rest = [one for part in parts for one in part[1]]
+    return own, rest if own or not rest else [name]
+
+
+def _without_empty_folders(folder: Path, removed: Collection[str]) -> tuple[str, ...]:
+    """Remove the folders that removed files have left empty; return what is gone, a folder as one name."""
+    gone: set[str] = set()
+    for name in sorted(_folders(removed), key=len, reverse=True):
+        with suppress(OSError):
+            (folder / name).rmdir()
+            gone.add(name)
+    shown = {
+        next((f"{one}/" for one in reversed(parents) if one in gone), name)
+        for name in removed
+        for parents in [[str(parent) for parent in PurePosixPath(name).parents]]
+    }
+    return tuple(sorted(shown))
 
 
 def _refuse_way_out(path: Path, folder: Path) -> None:
@@ -168,9 +265,19 @@ def _is_replaceable(path: Path, is_own: bool) -> bool:
         return True
     if not (is_own or path.name.startswith(_COMMON)) or not path.is_file():
         return False
-    if is_unchanged(path.read_bytes()):
+    return _is_unchanged(path)
+
+
+def _is_unchanged(path: Path) -> bool:
+    """Return whether kanegen wrote exactly this file."""
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+        if not (b"kanegen" in head or head.startswith(BINARY)):
+            return False  # without a look at the rest of what may be a large file
+        data = head + file.read()
+    if is_unchanged(data):
         return True
     try:
-        return is_unchanged(path.read_text(encoding="utf-8"))
+        return is_unchanged(data.decode("utf-8"))
     except UnicodeDecodeError:
         return False

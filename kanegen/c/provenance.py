@@ -49,6 +49,9 @@ _XML_DECLARATION = re.compile(r"<\?xml [^\n]*\?>\n")
 _ZIP, _WASM = b"PK\x03\x04", b"\0asm"
 """First bytes of a ZIP archive and of a module of WebAssembly."""
 
+BINARY = (_ZIP, _WASM)
+"""First bytes of the binary files that can hold the line of provenance, at their end."""
+
 _SECTION = b"\x00%c\x07kanegen"
 """A custom section of WebAssembly: its identifier 0, its length, and its name, preceded by its length."""
 

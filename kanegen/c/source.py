@@ -43,6 +43,8 @@ class Source:
         artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
         beside: Purpose of each artifact that was asked for, with the names of its files.
         next_steps: What users do next with each artifact that was asked for, by its name.
+        places: Names, in the folder of the code, of files and folders that artifacts of the model can have,
+            beside names that begin with that of the model.
         certificate: The fields of the certificate of a budget, {} without one.
         render_input: The programs that were printed, with the choices for the code; None for a source that
             was not made by `render`.
@@ -68,6 +70,7 @@ class Source:
     artifacts: tuple[str, ...] = ()
     beside: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     next_steps: Mapping[str, str] = field(default_factory=dict)
+    places: tuple[str, ...] = field(default=(), repr=False, compare=False)
     certificate: Mapping[str, Any] = field(default_factory=dict)
     render_input: RenderInput | None = field(default=None, repr=False, compare=False)
     system: System | None = field(default=None, repr=False, compare=False)
@@ -117,8 +120,8 @@ class Source:
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.
 
-        Files that kanegen wrote there before, unchanged since, are replaced. Either all files appear, each of
-        them whole, or none.
+        Files that kanegen wrote there before for this model, unchanged since, are replaced, and those of them
+        that this source does not have are removed. Either all files appear, each of them whole, or none.
 
         Args:
             folder: The folder to write into.
@@ -133,4 +136,6 @@ class Source:
         Example:
             >>> kg.generate(system).write("build/arm", force=True)
         """
-        return write(self.files, path_of(folder), force)
+        path = path_of(folder)
+        write(self.files, path, force, self.model.name, self.places)
+        return path

@@ -13,6 +13,7 @@ from typing import Any
 
 from rich.markup import escape
 
+from kanegen.artifacts import places
 from kanegen.c.folder import require_room
 from kanegen.cli.terminal import print_plain, screen
 from kanegen.model.system import System
@@ -94,7 +95,7 @@ def generate(
     """
     request = options.request
     region = read_region(options.domain, system)
-    require_room(certified_file_names(system), folder, force)
+    require_room(certified_file_names(system), folder, force, system.identifier, places(system.identifier))
     return certify_variant(
         system, region, request, allowed_candidates(options.admits), options.seed, progress
     )

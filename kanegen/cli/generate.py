@@ -122,7 +122,8 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
-    With --for, files for other languages and programs are added, such as `--for cpp,rust`.
+    With --for, files for other languages and programs are added, such as `--for cpp,rust`. Files of an
+    earlier call for the same model that this one does not make are removed, unless they were edited.
 
     With --error, kanegen chooses the fastest variant of forward dynamics whose error stays below a budget;
     with --budget, the most accurate one whose time does. It measures all variants on this machine, validates
@@ -161,8 +162,10 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 batches=not no_batches,
             )
     files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled, platforms)}
-    folder.write(files, output_dir, force)
+    removed = folder.write(files, output_dir, force, source.model.name, source.places)
     _show(system, source, files, output_dir)
+    if removed:
+        screen.print(f"removed {', '.join(removed)}, which this call does not make", soft_wrap=True)
 
 
 def _within_budget(system: System, context: typer.Context, folder: Path, force: bool) -> Source:
