@@ -799,10 +799,10 @@ def test_the_page(tmp_path, monkeypatch):
     assert namespace["result"]["time"][-1] == 1.0
     values = ([0.1, 0.2, 0.3, 0.4], [0.0, 0.0], [9.81, 1.0, 1.0, 0.5, 0.7])
     assert namespace["jacobian"](*values)[0].shape == (4, 4)
-    written = {path.name for path in (folder / "build" / "double_pendulum").iterdir()}
+    written = {path.name for path in (folder / "build" / "fmi").iterdir()}
     assert {"double_pendulum_fmi2.fmu", "double_pendulum_fmi3.fmu", "fmi2", "fmi3"} <= written
     for version in VERSIONS:
-        path = folder / "build" / "double_pendulum" / f"double_pendulum_fmi{version}.fmu"
+        path = folder / "build" / "fmi" / f"double_pendulum_fmi{version}.fmu"
         assert validate_fmu(str(path)) == []
 
 

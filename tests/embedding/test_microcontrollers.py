@@ -195,7 +195,7 @@ def test_the_program_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.Monkey
     (command,) = blocks("embedding/microcontrollers", "console")
     monkeypatch.chdir(copy_of_checkout(tmp_path))
     kanegen(*shlex.split(command.removeprefix("$ kanegen")))
-    folder = tmp_path / "build" / "pendulum" / "arduino" / "double_pendulum"
+    folder = tmp_path / "build" / "board" / "arduino" / "double_pendulum"
     (folder / "main.c").write_text(files("embedding/microcontrollers")["main.c"])
     flags = ("-std=c99", *WARNINGS, "-O1", "-ffp-contract=off", "-Isrc")
     run(*C["gcc"], *flags, "main.c", "src/double_pendulum.c", "-lm", folder=folder)

@@ -352,7 +352,7 @@ def test_the_page(tmp_path: Path) -> None:
     (tmp_path / "models").symlink_to(MODELS)
     for command in blocks("embedding/octave", "sh"):
         run(command.strip(), tmp_path)
-    printed = octave("\n".join(blocks("embedding/octave", "octave")), tmp_path / "double_pendulum")
+    printed = octave("\n".join(blocks("embedding/octave", "octave")), tmp_path / "build" / "octave")
     last = kg.simulate(
         kg.build(kg.load(PENDULUM), ("forward_dynamics",)), [0.5, 0.3], [0, 0], [0.0, 1.0], step=1e-3
     )

@@ -167,4 +167,4 @@ def test_the_page(tmp_path: Path) -> None:
     (command,) = blocks("embedding/simulink", "sh")
     run(command.strip(), tmp_path)
     (prototype,) = blocks("embedding/simulink", "c")
-    assert prototype in (tmp_path / "double_pendulum" / "double_pendulum_simulink.h").read_text()
+    assert prototype in (tmp_path / "build" / "simulink" / "double_pendulum_simulink.h").read_text()
