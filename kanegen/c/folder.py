@@ -179,7 +179,8 @@ def _outdated(
             f"{folder}: holds {', '.join(sorted(foreign))}, which are not this model's files as kanegen "
             "wrote them. Choose another folder, delete them, or force it: --force, force=True."
         )
-    return sorted(outdated)
+    written = {os.path.realpath(folder / name) for name in files}  # also through links
+    return sorted(name for name in outdated if os.path.realpath(folder / name) not in written)
 
 
 def _other_models(folder: Path, model: str) -> list[str]:

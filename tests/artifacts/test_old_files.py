@@ -114,6 +114,14 @@ def test_code_in_a_folder_below_and_links_stay(plain, tmp_path):
     assert tree(tmp_path) == {**before, **files(plain)}
 
 
+def test_a_file_that_is_written_through_a_link_stays(plain, tmp_path):
+    write(with_artifacts(plain, ["cpp"]), tmp_path)
+    (tmp_path / "main.c").unlink()
+    (tmp_path / "main.c").symlink_to("handmade.hpp")
+    assert write(plain, tmp_path) == ("kanegen_views.hpp",)
+    assert tree(tmp_path) == {**files(plain), "handmade.hpp": files(plain)["main.c"]}
+
+
 def test_all_or_nothing(plain, many, tmp_path, monkeypatch):
     """An old file cannot be removed, after all others were written."""
     write(many, tmp_path)
