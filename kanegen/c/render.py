@@ -68,7 +68,7 @@ def render(
         operations = count.operations(select_functions(module, chosen))
     longest = target.longest_part
     render_input = RenderInput(
-        model, module, operations, variant, decided, longest, chosen, parameters_by_state, batches
+        model, module, operations, variant, dict(decided), longest, chosen, parameters_by_state, batches
     )
     require_range(model, render_input.programs, render_input.formats)
     return printed(render_input, target)
