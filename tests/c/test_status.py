@@ -115,7 +115,7 @@ def test_what_c_says(tmp_path):
         "@return how many states have a status other than 0; rows of acceleration that do not exist hold NaN",
     ):
         assert text in made.files["handmade.h"], text
-    assert "`handmade_forward_dynamics` return the place" in made.files["README.md"]
+    assert "`handmade_forward_dynamics` returns the place" in made.files["README.md"]
     folder = made.write(tmp_path / "out")
     (folder / "ask.c").write_text(
         '#include <stdio.h>\n#include "handmade.h"\n'
