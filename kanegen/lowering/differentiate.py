@@ -29,6 +29,7 @@ from kanegen.program.elimination import Column, Elimination
 from kanegen.program.ir import Op, Output, Program
 from kanegen.program.tangent import Tangent, tangents
 from kanegen.recursion.factorisation import carriers
+from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver
 from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS
 from kanegen.recursion.refinement import UNREFINED, Refinement
 
@@ -69,10 +70,7 @@ def differentiated(
 
 def _needs_solver(system: System, refinement: Refinement) -> bool:
     """Return whether to differentiate the solver of {ydot} instead of inverse dynamics."""
-    joints = [body.joint for body in system.bodies]
-    may_lock = any(joint.speeds_are_rates and all(joint.free[:3]) for joint in joints)
-    fall_freely = sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints)
-    return may_lock or fall_freely > 1 or refinement.steps > 0
+    return differentiates_solver(system) or refinement.steps > 0
 
 
 class _Differentiation:

@@ -47,6 +47,17 @@ def has_structured_derivatives(system: System) -> bool:
     return all(body.joint.speeds_are_rates for body in system.bodies)
 
 
+def differentiates_solver(system: System) -> bool:
+    """Return whether derivatives of {ydot} are those of its solver, not a product with [A]^-1.
+
+    So it is where three angles of a joint can reach gimbal lock, next to which the product loses digits that
+    {ydot} has, and where several bodies translate freely and rotate, which the solver never couples.
+    """
+    joints = [body.joint for body in system.bodies]
+    may_lock = any(joint.speeds_are_rates and all(joint.free[:3]) for joint in joints)
+    return may_lock or sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints) > 1
+
+
 def inverse_dynamics_by_state(tree: Tree) -> Derived:
     """Derive the derivatives of [A]{ydot} - {f} by {x}, then {y}, but for `inverse_dynamics_of_elements`."""
     return Derived(_by_state(tree, accelerated=True))

@@ -93,6 +93,11 @@ def test_other_speeds_are_differentiated_by_tangents() -> None:
     assert PARTS.keys().isdisjoint(way.methods)
 
 
+def test_where_the_solver_is_differentiated_nothing_else_is_derived() -> None:
+    (way, *_) = condition(accept(eight_body(), ("forward_dynamics_derivatives",), STRICT))
+    assert PARTS.keys().isdisjoint(way.methods)
+
+
 OPERATIONS = {"ur5": 1260, "panda": 3090, "hyq": 8575, "eight_body": 19768, "talos_reduced": 25015}
 """Additions, multiplications and divisions of all derivatives by {x} and {y}, by robot."""
 
