@@ -62,9 +62,11 @@ from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
+from kanegen.program.triangle import FULL, with_form
 from kanegen.recursion.outputs import (
     EQUATIONS,
     ERROR_BOUNDS,
+    OUTPUTS,
     function_signatures,
     method_of_program,
     require_available,
@@ -81,12 +83,14 @@ def compile_module(
     variant: Variant = STRICT,
     *,
     regular: bool = True,
+    mass_matrix: str = FULL,
 ) -> Compiled:
     """Compile `outputs` to straight-line programs, by the candidate with the fewest operations.
 
-    `regular` says whether to refuse outputs that solve with [A], if [A] is singular in every state.
+    `regular` says whether to refuse outputs that solve with [A], if [A] is singular in every state, and
+    `mass_matrix` in which form functions fill [A], one of `triangle.FORMS`.
     """
-    request = accept(system, outputs, variant, regular=regular)
+    request = accept(system, outputs, variant, regular=regular, mass_matrix=mass_matrix)
     candidates = [compile_candidate(request, candidate, progress) for candidate in condition(request)]
     return min(candidates, key=lambda compiled: compiled.cost)
 
@@ -100,6 +104,7 @@ def compile_candidate(request: Request, candidate: Candidate, progress: Progress
     progress("lowering")
     fixed = {name: error_bound(system, request.variant) for name in outputs if name in ERROR_BOUNDS}
     program = lower(form, [name for name in outputs if name not in fixed], constants)
+    program = with_form(program, OUTPUTS["mass_matrix"].array(system).name, request.mass_matrix)
     progress("optimising")
     program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
     signatures = function_signatures(system, outputs, together(system, request.integrators))
@@ -146,6 +151,7 @@ def generate(
     target: Target | str = C99_TARGET,
     parameters_by_state: bool = False,
     batches: bool = True,
+    mass_matrix: str = FULL,
 ) -> Source:
     """Generate C for `outputs`, specialised to `system`.
 
@@ -169,6 +175,11 @@ def generate(
             `prepared`, which the batch form of `prepare` fills. By default all states have one set.
         batches: Whether to write functions for many states at once, too. Without them the code has the
             functions for one state alone, as on a microcontroller.
+        mass_matrix: Form in which functions fill [A], whose numbers are the same in every form: "full";
+            "lower", which leaves the elements above the diagonal of the n x n array as they are; "packed", an
+            array of the n (n + 1)/2 elements of the lower triangle by rows, LAPACK's packed storage of the
+            upper triangle by columns; or "sparse", the same without what is zero in every state. Macros
+            `<MODEL>_A_ROW_STARTS` and `<MODEL>_A_COLUMNS` tell where elements of the last two belong.
 
     Raises:
         OptionError: If an output, a tier or another choice is unknown, an artifact cannot stand beside the
@@ -186,7 +197,8 @@ def generate(
     variant = variant_with(
         asked, chosen_variant(tier, precision=precision, without=without), precision=precision
     )
-    compiled = compile_module(system, outputs_with(asked, system, outputs), progress, variant)
+    needed = outputs_with(asked, system, outputs)
+    compiled = compile_module(system, needed, progress, variant, mass_matrix=mass_matrix)
     progress("printing")
     decided = {"refinement": compiled.refinement}
     model = description(system)
@@ -219,6 +231,7 @@ def build(
     functions: Iterable[str] | None = None,
     on_status: OnStatus = "warn",
     parameters_by_state: bool = False,
+    mass_matrix: str = FULL,
 ) -> libraries.Library:
     """Generate C as `generate` does, compile it and load it.
 
@@ -227,6 +240,8 @@ def build(
     among threads; see `library.load`. `on_status` says what the library does where a result is missing, not
     finite or not accurate: "warn", "raise", "ignore" or a function; see `Library.with_on_status`. With
     `parameters_by_state`, the argument `parameters` of every method may have a row for each state of a batch.
+    `mass_matrix` is the form of [A], as for `generate`; `Library.mass_matrix_places` says where the elements
+    of a triangle belong.
     Without `progress`, a build of more than 5 s names its stages on a terminal.
 
     Raises:
@@ -249,6 +264,7 @@ def build(
             coordinates=coordinates,
             functions=functions,
             parameters_by_state=parameters_by_state,
+            mass_matrix=mass_matrix,
         )
         stage("compiling")
         return libraries.load(source, compiler, flags, threads, on_status)

@@ -14,7 +14,7 @@ from dataclasses import replace
 from kanegen.artifacts import fmi
 from kanegen.artifacts.arduino import arduino
 from kanegen.artifacts.arduino import refusal as arduino_refusal
-from kanegen.artifacts.artifact import Artifact, lacking, motion
+from kanegen.artifacts.artifact import ELEMENTS, WHOLE, Artifact, lacking, motion
 from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
@@ -126,6 +126,7 @@ ARTIFACTS: dict[str, Artifact] = {
             next_step="Compile the C to a shared library, and load functions by `casadi.external`; "
             "`{model}_casadi.c` lists them",
             page="docs/embedding/casadi.md",
+            takes=WHOLE,
         ),
         Artifact(
             "octave",
@@ -136,6 +137,7 @@ ARTIFACTS: dict[str, Artifact] = {
             next_step="Call `{model}.build()` in MATLAB or Octave in this folder; each function has help",
             page="docs/embedding/octave.md",
             places=("+{model}",),
+            takes=ELEMENTS,
         ),
         Artifact(
             "rust",
@@ -159,6 +161,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "sources in `fmi2`",
             page="docs/embedding/fmi.md",
             places=("fmi2",),
+            takes=ELEMENTS,
         ),
         Artifact(
             "fmi3",
@@ -172,6 +175,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "sources in `fmi3`",
             page="docs/embedding/fmi.md",
             places=("fmi3",),
+            takes=ELEMENTS,
         ),
         Artifact(
             "self-test",
@@ -188,6 +192,7 @@ ARTIFACTS: dict[str, Artifact] = {
             usual_outputs=motion,
             next_step="Set up the block C Caller as `{model}_simulink.md` says",
             page="docs/embedding/simulink.md",
+            takes=ELEMENTS,
         ),
         Artifact(
             "wasm",

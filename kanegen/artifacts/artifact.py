@@ -11,6 +11,9 @@ from kanegen.model.system import System
 from kanegen.program.precision import PRECISIONS
 from kanegen.recursion.outputs import RATES
 
+WHOLE, ELEMENTS, ALL = "whole", "elements", "all"
+"""How much of a symmetric matrix functions may fill for an artifact."""
+
 
 def _never(source: Source) -> str:
     """Return the refusal of an artifact that can stand beside every source: none."""
@@ -37,6 +40,8 @@ class Artifact:
         page: Path of the page on the artifact in kanegen's repository.
         precision: Precision of the arithmetic that the artifact takes where the user names none, one of
             `precision.PRECISIONS`; "" for that of the source.
+        takes: How much of a symmetric matrix functions may fill for the artifact: "whole", "elements", which
+            may be those of a triangle by themselves, or "all", also a triangle within the whole array.
         places: Names of its files, and of the folders of its files, in the folder of the source, as far as
             they do not begin with the name of the model, for which "{model}" stands.
 
@@ -58,6 +63,7 @@ class Artifact:
     next_step: str = ""
     page: str = ""
     places: tuple[str, ...] = ()
+    takes: str = ALL
 
     def __post_init__(self) -> None:
         """Check that there is such a precision."""
@@ -75,13 +81,21 @@ class Artifact:
 
     def obstacle(self, source: Source) -> str:
         """Return why a source cannot have the artifact, with how to mend it, "" if it can."""
-        if why := self.refusal(source):
+        if why := self._refusal_of_form(source) or self.refusal(source):
             return why
         if not callable(self.outputs):
             return self._lack(self.outputs, source)
         if source.system is None:
             return "this source does not carry its system. Generate it anew with kg.generate."
         return self._lack(self.outputs(source.system), source)
+
+    def _refusal_of_form(self, source: Source) -> str:
+        """Return why the artifact cannot have the form of [A], "" if it can."""
+        arrays = [array for function in source.functions for array in function.outputs if array.pattern]
+        if self.takes == ALL or not arrays or (self.takes == ELEMENTS and not arrays[0].is_filled_in_part):
+            return ""
+        forms = {WHOLE: '"full"', ELEMENTS: '"full", "packed" or "sparse"'}[self.takes]
+        return f"it takes the mass matrix in the form {forms}. Choose it by --mass-matrix, or mass_matrix=..."
 
     @staticmethod
     def _lack(needed: Iterable[str], source: Source) -> str:

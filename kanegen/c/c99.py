@@ -121,6 +121,7 @@ class C99:
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,
+            "has_lower": any(one.is_filled_in_part for f in render_input.functions for one in f.outputs),
             "footprints": footprints(render_input, outputs),
             "scalar_headers": _header_names(function.code for function in printed),
             "batch_headers": _header_names(function.simd_code for function in printed),

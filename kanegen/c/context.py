@@ -86,6 +86,7 @@ def context(
         "sizes": declarations.sizes(model, functions),
         "limits": declarations.limits(model, model_formats),
         "limit_type": (DOUBLE if model_formats.storage is DOUBLE_DOUBLE else model_formats.storage).c_type,
+        "patterns": declarations.patterns(model, functions),
         "parameter_places": declarations.parameter_places(model),
         "stack": _batch_stack((*functions, *steps), SIMD.get(model_formats.arithmetic), model_formats),
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
@@ -208,10 +209,32 @@ def limits(model: ModelDescription, formats: Formats) -> list[str]:
 
     lines: list[str] = []
     for name, values in zip(LIMITS, model.limits, strict=False):
-        whole = f"#define {model.prefix}_{name} {{ {f',{BREAK}'.join(map(text, values))} }}"
-        parts = wrap(whole, indent="", hanging="    ")
-        lines += [*(f"{part} \\" for part in parts[:-1]), parts[-1]]
+        lines += _initialiser(f"{model.prefix}_{name}", [text(value) for value in values])
     return lines
+
+
+def patterns(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
+    """Return the lines of the macros that say where elements of a triangle belong; none without one.
+
+    They are those of compressed sparse rows: the first element of each row, at last the number of elements,
+    and the column of each element.
+    """
+    lines: list[str] = []
+    for array in dict.fromkeys(array for function in functions for array in function.outputs):
+        if array.pattern and not array.is_filled_in_part:
+            rows = [row for row, _ in array.pattern]
+            starts = [bisect_left(rows, row) for row in range(rows[-1] + 2)]
+            name = f"{model.prefix}_{array.name}"
+            lines += _initialiser(f"{name}_ROW_STARTS", list(map(str, starts)))
+            lines += _initialiser(f"{name}_COLUMNS", [str(column) for _, column in array.pattern])
+    return lines
+
+
+def _initialiser(name: str, values: Sequence[str]) -> list[str]:
+    """Return the lines of a macro that initialises an array."""
+    whole = f"#define {name} {{ {f',{BREAK}'.join(values)} }}"
+    parts = wrap(whole, indent="", hanging="    ")
+    return [*(f"{part} \\" for part in parts[:-1]), parts[-1]]
 
 
 def parameter_places(model: ModelDescription) -> list[str]:

@@ -45,6 +45,9 @@ def names_of_elements(array: Array, model: ModelDescription) -> tuple[Names, ...
     Example:
         names_of_elements(mass_matrix, model)  # (("shoulder", "elbow"), ("shoulder", "elbow"))
     """
+    if array.pattern and len(array.shape) == 1:
+        speeds = names_of_y(model)
+        return (tuple(f"{speeds[row]} {speeds[column]}" for row, column in array.pattern),)
     names = list(_axes(array, model))
     if array.name in DERIVATIVES:
         last = len(array.shape) - 1

@@ -99,6 +99,12 @@ class Source:
         return any(function.has_batch for function in self.functions)
 
     @property
+    def mass_matrix_pattern(self) -> tuple[tuple[int, int], ...]:
+        """Row and column of each element of [A] that the functions fill; () where they fill the whole."""
+        arrays = (array for function in self.functions for array in function.outputs)
+        return next((array.pattern for array in arrays if array.pattern), ())
+
+    @property
     def precision(self) -> str:
         """Name of the precision of the arithmetic, in `precision.PRECISIONS`."""
         return self.variant.precision

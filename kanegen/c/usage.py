@@ -106,9 +106,15 @@ def variable_runs(parts: Sequence[Program], array: Array) -> list[Run]:
     """
     runs: list[Run] = []
     for index in sorted(index for part in parts for index in _first_places(part, array)):
-        start = runs.pop().start if runs and index - runs[-1].stop <= JOINED else index
+        is_joined = runs and index - runs[-1].stop <= JOINED and _is_filled_between(array, runs[-1], index)
+        start = runs.pop().start if is_joined else index
         runs.append(Run(array, start, index + 1))
     return runs
+
+
+def _is_filled_between(array: Array, run: Run, index: int) -> bool:
+    """Return whether all elements from a run to an element are filled, as those of one row are."""
+    return not array.is_filled_in_part or run.start // array.row == index // array.row
 
 
 def _first_places(part: Program, array: Array) -> list[int]:

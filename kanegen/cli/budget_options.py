@@ -122,6 +122,7 @@ EXCLUDED = (
     "reactions",
     "contacts",
     "reanchoring",
+    "mass_matrix",
     "for_",
 )
 """Names of the options that a budget excludes, because the budget makes these choices."""
@@ -142,7 +143,7 @@ def has_budget(context: typer.Context) -> bool:
         if idle:
             raise OptionError(f"{', '.join(idle)}: only with a budget. Add --error 1e-9 or --budget 200ns.")
         return False
-    rivals = [f"--{name.rstrip('_')}" for name in EXCLUDED if name in typed]
+    rivals = [f"--{name.rstrip('_').replace('_', '-')}" for name in EXCLUDED if name in typed]
     if rivals:
         raise OptionError(
             f"{', '.join(rivals)}: not with {budgets[0]}, which chooses the variant, for forward_dynamics. "

@@ -38,6 +38,7 @@ from kanegen.cli.options import (
     JointDynamics,
     Loads,
     Lock,
+    MassMatrix,
     Model,
     NoBatches,
     Outputs,
@@ -119,6 +120,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     reanchoring: Reanchoring = False,
     parameters_by_state: ParametersByState = False,
     no_batches: NoBatches = False,
+    mass_matrix: MassMatrix = "full",
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
@@ -160,6 +162,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 functions=function,
                 parameters_by_state=parameters_by_state,
                 batches=not no_batches,
+                mass_matrix=mass_matrix,
             )
     files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled, platforms)}
     removed = folder.write(files, output_dir, force, source.model.name, source.places)

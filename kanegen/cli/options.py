@@ -125,6 +125,19 @@ Platforms = Annotated[
         show_default=False,
     ),
 ]
+MATRIX_FORMS = ("full", "lower", "packed", "sparse")
+"""Forms in which functions fill the mass matrix."""
+
+MassMatrix = Annotated[
+    str,
+    typer.Option(
+        "--mass-matrix",
+        metavar="FORM",
+        help="Fill the mass matrix in this form: full; lower, only the lower triangle of the whole array; "
+        "packed, an array of the lower triangle by rows; or sparse, the same without what is zero in every "
+        "state.",
+    ),
+]
 Functions = Annotated[
     list[str] | None,
     typer.Option(

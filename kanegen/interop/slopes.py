@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from kanegen.c import Source
+from kanegen.errors import OptionError, quoted
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS
 from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, available, differentiates
@@ -47,9 +48,17 @@ def slopes(name: str, source: Source) -> tuple[Slopes, ...]:
         name: Name of an output, or of a function that makes one step.
         source: Generated C of the system.
 
+    Raises:
+        OptionError: If the code fills only a part of the mass matrix.
+
     Example:
         slopes("inverse_dynamics", library.source)   # of inverse_dynamics_derivatives and mass_matrix
     """
+    if source.mass_matrix_pattern:
+        raise OptionError(
+            f"system {quoted(source.model.shown)}: this code fills only the lower triangle of the mass "
+            'matrix, which is no matrix for derivatives. Generate it with mass_matrix="full".'
+        )
     model = source.model
     sizes = len(model.coordinate_names), len(model.freedom_names), len(model.parameters)
     if name in INTEGRATORS:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kanegen.errors import ArrayError
 from kanegen.library.compiled import CompiledModel
@@ -24,7 +24,9 @@ class Dynamics(CompiledModel):
             inputs: Inputs that only some systems have, by name.
 
         Returns:
-            (n, n) or (B, n, n) symmetric, kg m^2, kg m and kg.
+            (n, n) or (B, n, n) symmetric, kg m^2, kg m and kg. A library that was built with
+            `mass_matrix="lower"` leaves 0 above the diagonal; with "packed" or "sparse" there are (k,) or
+            (B, k) elements of the lower triangle, whose places `mass_matrix_places` has.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type.
@@ -34,6 +36,25 @@ class Dynamics(CompiledModel):
             A = library.mass_matrix(x)
         """
         return self._run("mass_matrix", (x,), inputs)[0]
+
+    @property
+    def mass_matrix_places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column of each element of [A] that is filled, row by row; two arrays of shape (k,).
+
+        Raises:
+            OptionError: If the library was built without the output mass_matrix.
+
+        Example:
+            library = kg.build(system, mass_matrix="packed")
+            rows, columns = library.mass_matrix_places
+            A = np.zeros((library.n, library.n))
+            A[rows, columns] = A[columns, rows] = library.mass_matrix(x)
+        """
+        if "mass_matrix" not in self.source.outputs:
+            raise self._absent("mass_matrix")
+        pattern = self.source.mass_matrix_pattern
+        rows, columns = np.array(pattern).T if pattern else np.indices((self.n, self.n)).reshape(2, -1)
+        return rows, columns
 
     def forcing(
         self,

@@ -9,6 +9,7 @@ from kanegen.options import Variant
 from kanegen.program.count import operations
 from kanegen.program.ir import Module
 from kanegen.program.passes import Stage
+from kanegen.program.triangle import FULL
 from kanegen.recursion import Methods
 from kanegen.recursion.refinement import Refinement
 
@@ -22,12 +23,14 @@ class Request:
         outputs: Names of outputs that the system has, in the order of `OUTPUTS`.
         variant: The choices between speed and accuracy.
         integrators: Names of functions of `INTEGRATORS`; what they are composed of is among the outputs.
+        mass_matrix: Form in which functions fill [A], one of `triangle.FORMS`.
     """
 
     system: System
     outputs: tuple[str, ...]
     variant: Variant
     integrators: tuple[str, ...] = ()
+    mass_matrix: str = FULL
 
 
 @dataclass(frozen=True)

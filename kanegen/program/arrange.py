@@ -34,15 +34,15 @@ def arrange(program: Program) -> Program:
 
 def _groups(program: Program) -> Iterator[list[int]]:
     """Yield results that are computed together: vectors, rows of matrices up to the diagonal, the rest."""
-    matrices = [output for output in program.outputs if len(output.array.shape) == 2]
     for output in program.outputs:
-        if output not in matrices:
+        if not output.array.is_matrix:
             yield [*output.values, *output.exists_if_positive, *output.accurate_if_positive]
-    for output in matrices:
-        rows, width = output.array.shape
-        for last in range(rows, 0, -ROWS):
-            chosen = range(max(0, last - ROWS), last)
-            yield [
-                output.values[width * row + column] for row in chosen for column in range(min(row + 1, width))
-            ]
+    for output in program.outputs:
+        if output.array.is_matrix:
+            rows: dict[int, list[int]] = {}
+            for index, value in output.elements():
+                row, column = output.array.entry(index)
+                rows.setdefault(row, []).extend([value] if column <= row else [])
+            for last in range(max(rows, default=-1) + 1, 0, -ROWS):
+                yield [value for row in range(max(0, last - ROWS), last) for value in rows.get(row, ())]
     yield list(program.results())

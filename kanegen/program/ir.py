@@ -165,6 +165,8 @@ class Array:
         condition: When an output exists that does not exist in every state.
         of_freedoms: Whether the first index counts the freedoms.
         row_condition: The condition for each of its rows, if it has rows without which it does not exist.
+        pattern: Row and column of each element that is filled, for an array that holds only a part of a
+            symmetric matrix: all of its elements if it has one axis, those at these places if it has two.
     """
 
     name: str
@@ -174,6 +176,7 @@ class Array:
     condition: Condition = REGULAR
     of_freedoms: bool = False
     row_condition: RowCondition | None = None
+    pattern: tuple[tuple[int, int], ...] = ()
 
     @property
     def size(self) -> int:
@@ -184,6 +187,20 @@ class Array:
     def row(self) -> int:
         """Number of elements along the last axis."""
         return self.shape[-1] if self.shape else 1
+
+    @property
+    def is_filled_in_part(self) -> bool:
+        """Whether elements are left as they are: those above the diagonal of a lower triangle."""
+        return bool(self.pattern) and len(self.shape) == 2
+
+    @property
+    def is_matrix(self) -> bool:
+        """Whether the elements, in whatever form, are those of one matrix."""
+        return bool(self.pattern) or len(self.shape) == 2
+
+    def entry(self, index: int) -> tuple[int, int]:
+        """Return row and column of element `index` of a matrix."""
+        return self.pattern[index] if len(self.shape) == 1 else divmod(index, self.row)
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,6 +95,9 @@ class Call:
         self._prepared = pointers[arrays.arithmetic]
         self._inputs = [(a.name, arguments.index(a.name), a.shape + read.trailing_shape) for a in own]
         self._outputs = [array.shape + filled.trailing_shape for array in function.outputs]
+        # Elements that the function does not fill are zero, as those above the diagonal of a lower triangle.
+        made = [np.zeros if array.is_filled_in_part else np.empty for array in function.outputs]
+        self._results: tuple[tuple[Any, Shape], ...] = tuple(zip(made, self._outputs, strict=True))
         self._result_names = [array.name for array in function.outputs]
         self._meaning = _meaning_of_named_inputs(model)
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
@@ -149,8 +152,8 @@ class Call:
             else:
                 return self._general(constants, values, on_status)
         results = []
-        for shape in self._outputs:
-            result = np.empty(shape, self._result_dtype)
+        for made, shape in self._results:
+            result = made(shape, self._result_dtype)
             results.append(result)
             pointers.append(self._result_pointer(result))
         status = self._single(*pointers)
@@ -165,7 +168,7 @@ class Call:
         """Call the C function after conversion of the values, with every check."""
         arrays, batch = self._converted(values)
         constants.require(batch, self._inputs[0][0])
-        results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
+        results = self._new_results(batch)
         pointers = [
             *constants.read(batch, self._by_state, self._prepared),
             *map(self._pointer, arrays),
@@ -208,17 +211,21 @@ class Call:
         read = {**inputs, **(constants.inputs if constants.sets is not None else {})}
         report(self._status.of_batch(status, read, results, states), on_status)
 
+    def _new_results(self, batch: tuple[int, ...]) -> list[Floats]:
+        """Return new arrays for the results of `()` one state or `(B,)` many."""
+        return [made((*batch, *shape), self._result_dtype) for made, shape in self._results]
+
     def arrays(self, batch: tuple[int, ...]) -> tuple[dict[str, Floats], dict[str, Floats]]:
-        """Return new arrays by name: zeros for the inputs, NaN for the results.
+        """Return new arrays by name: zeros for the inputs, NaN for the results, 0 for what is never filled.
 
         Args:
             batch: `()` for one state or `(B,)` for a batch.
         """
-        inputs, results = self.shapes
-        return (
-            {name: np.zeros((*batch, *shape), self.dtype) for name, shape in inputs.items()},
-            {name: np.full((*batch, *shape), np.nan, self._result_dtype) for name, shape in results.items()},
-        )
+        inputs = {name: np.zeros((*batch, *shape), self.dtype) for name, shape in self.shapes[0].items()}
+        results = dict(zip(self._result_names, self._new_results(batch), strict=True))
+        for array, (made, _) in zip(results.values(), self._results, strict=True):
+            array.fill(0.0 if made is np.zeros else np.nan)
+        return inputs, results
 
     @property
     def shapes(self) -> tuple[dict[str, Shape], dict[str, Shape]]:
@@ -271,7 +278,7 @@ class Call:
             states: Numbers of the states.
         """
         chosen = [np.ascontiguousarray(array[states]) for array in arrays]
-        results = [np.empty((len(states), *shape), self._result_dtype) for shape in self._outputs]
+        results = self._new_results((len(states),))
         own = constants.of(states).read(states.shape, self._by_state, self._prepared)
         pointers = (*own, *map(self._pointer, chosen), *map(self._result_pointer, results))
         return int(self._single(*pointers)) if len(states) == 1 else self._many(len(states), pointers)
