@@ -78,7 +78,9 @@ class BodyMotion:
         squares: Products omega_i omega_j by pair of axes.
         field: [alpha~] + [omega~][omega~], the matrix that maps a body-fixed vector to its second derivative.
         carried: Accelerations that are left out.
-        path: Motion of the frame below each turn of the joint, then of the body.
+        path: Motion of the frame below each turn of the joint, then of the frame above all turns. This is the
+            frame of the body; but where speeds are an angular velocity it turns with J, and that of the body
+            comes last.
     """
 
     omega: Vector
@@ -145,7 +147,7 @@ def _outward(
             alpha = add(alpha, joint.relative_alpha)
         alpha = definitions.vector(f"alpha_{k}", alpha)
         omega = definitions.vector(f"omega_{k}", add(omega, joint.relative_omega))
-        path[-1] = FrameAcceleration(omega, alpha, acceleration)
+        path.append(FrameAcceleration(omega, alpha, acceleration))
     if joint.rotations and all(freedom in released for freedom in joint.rotations):
         carried, alpha = replace(carried, alpha=alpha), ZERO
     squares, field = products_and_field(f"{k}", omega, alpha, definitions)

@@ -16,7 +16,7 @@ from sympy import Expr, S
 
 from kanegen.recursion.joint_motion import JointMotion, Step
 from kanegen.recursion.tree import Derived, Tree
-from kanegen.recursion.turns import rotation_rates
+from kanegen.recursion.turns import rotation_rates, turnings_as_a_whole
 from kanegen.recursion.vectors import unit
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import coordinate_rate
@@ -30,11 +30,7 @@ def coordinate_rates(tree: Tree) -> Derived:
     for joint in tree.joints:
         if joint.angular_speeds:
             tree.about(joint.body, "rates of the orientation, Eq. (9)")
-            places = [
-                place
-                for coordinate, place in system.coordinate_places.items()
-                if coordinate.body == joint.body and not coordinate.is_translation
-            ]
+            places = _orientation_places(joint, tree)
             names = [f"xdot_{place}" for place in places]
             if joint.composed_of:
                 found = _rates_of_angles(joint, tree, names, positive)
@@ -64,6 +60,42 @@ def _rates_as_a_whole(joint: JointMotion, tree: Tree, names: Sequence[str]) -> S
     rotation = tree.system.bodies[joint.body - 1].joint.rotation
     rates = rotation_rates(joint.body, rotation, joint.relative_omega)
     return [tree.definitions.define(name, rate) for name, rate in zip(names, rates, strict=True)]
+
+
+def turnings(joint: JointMotion, tree: Tree) -> dict[int, Vector]:
+    """Return the rotation of K on J, in K, for a unit change of each coordinate of the orientation, Eq. (8).
+
+    Args:
+        joint: The joint of K; its speeds are components of the relative angular velocity.
+        tree: The tree.
+
+    Returns:
+        Rotations by place in {x}.
+    """
+    places = _orientation_places(joint, tree)
+    if not joint.composed_of:
+        rotation = tree.system.bodies[joint.body - 1].joint.rotation
+        return dict(zip(places, turnings_as_a_whole(joint.body, rotation, tree.definitions), strict=True))
+    return dict(zip(places, axes_of_angles(joint.composed_of, tree.definitions), strict=True))
+
+
+def axes_of_angles(steps: Sequence[Step], definitions: Definitions) -> list[Vector]:
+    """Return the axes of angles in the frame above all turns, one for each."""
+    axes: list[Vector] = []
+    for step in steps:
+        turned = [step.turn.up(axis) for axis in axes]
+        axes = [definitions.vector(f"ba_{step.frame}_{i}", axis) for i, axis in enumerate(turned, start=1)]
+        axes.append(unit(step.axis))
+    return axes
+
+
+def _orientation_places(joint: JointMotion, tree: Tree) -> list[int]:
+    """Return the places in {x} of the coordinates that orient the body of a joint."""
+    return [
+        place
+        for coordinate, place in tree.system.coordinate_places.items()
+        if coordinate.body == joint.body and not coordinate.is_translation
+    ]
 
 
 @dataclass(frozen=True)

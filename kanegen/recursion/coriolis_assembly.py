@@ -23,7 +23,7 @@ from kanegen.recursion.coriolis_columns import (
     translation_column,
 )
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.joint_motion import JointMotion, Step, Translation
+from kanegen.recursion.joint_motion import AngularSpeed, JointMotion, Step, Translation
 from kanegen.recursion.merged_columns import merged
 from kanegen.recursion.relative_momentum import HALF, RelativeMomentum, second_moments
 from kanegen.recursion.rotors import SpinningRotor
@@ -82,7 +82,7 @@ class CoriolisAssembly:
         body = MovingBody(self._bodies[k], self._momenta[k], self.motions[k][-1])
         carried = Carried(body, tuple(self._merged(self._columns[k], f"{k}")))
         if joint.angular_speeds:
-            carried = self._with_angular_speeds(carried, joint)
+            carried = self.with_angular_speeds(carried, joint)
         for step, motion in reversed(list(zip(joint.steps, self.motions[k][:-1], strict=True))):
             carried = self._below_turn(carried, joint, step, motion)
         self.record_translations(carried, joint)
@@ -111,22 +111,49 @@ class CoriolisAssembly:
         definitions = self.tree.definitions
         return merged(columns, lambda place, parts: column_sum(place, parts, body, definitions))
 
-    def _with_angular_speeds(self, carried: Carried, joint: JointMotion) -> Carried:
-        """Record the entries of the components of a relative angular velocity, and begin their columns."""
+    def with_angular_speeds(self, carried: Carried, joint: JointMotion) -> Carried:
+        """Record the entries of the components of a relative angular velocity, and begin their columns.
+
+        Returns:
+            What the body carries, as a frame sees it that turns with J, in components of K.
+        """
         k, body, definitions = joint.body, carried.body, self.tree.definitions
         second = second_moments(body.inertia, None, f"{k}", definitions)
-        own = tuple(
-            rotation_column(one, f"{k}w{one.axis + 1}", body, second, definitions)
-            for one in joint.angular_speeds
-        )
+        momentum = body.momentum.turning(joint.relative_omega, body.inertia, second, f"{k}", definitions)
+        below = replace(body, momentum=momentum)
+        own = tuple(self.begun_angular(joint, one, body, below, second) for one in joint.angular_speeds)
         for one in joint.angular_speeds:
             for col in carried.arriving:
                 self._record(one.shares, col.places, col.along(one.axis))
-                self._record(col.places, one.shares, col.across(one.axis, body.motion))
+                self._record(col.places, one.shares, self.across_angular(col, joint, one, body))
             for col in own:
                 self._record(one.shares, col.places, col.along(one.axis))
-        momentum = body.momentum.turning(joint.relative_omega, body.inertia, second, f"{k}", definitions)
-        return Carried(replace(body, momentum=momentum), carried.arriving, own)
+        return Carried(below, carried.arriving, own)
+
+    def begun_angular(
+        self, joint: JointMotion, one: AngularSpeed, body: MovingBody, below: MovingBody, second: Rows
+    ) -> Column:
+        """Begin the column of a component of a relative angular velocity.
+
+        Args:
+            joint: The joint.
+            one: The component.
+            body: The composite body that it turns, in its own frame.
+            below: The same, as a frame sees it that turns with J, in components of K.
+            second: Second moments [D] of the body.
+        """
+        return rotation_column(one, f"{joint.body}w{one.axis + 1}", body, second, self.tree.definitions)
+
+    def across_angular(self, col: Column, joint: JointMotion, one: AngularSpeed, body: MovingBody) -> Expr:
+        """Return the entry of a component of a relative angular velocity in the row of a freedom outward.
+
+        Args:
+            col: The column of the freedom outward.
+            joint: The joint of the component.
+            one: The component.
+            body: The composite body that it turns, in its own frame.
+        """
+        return col.across(one.axis, body.motion)
 
     def _below_turn(self, carried: Carried, joint: JointMotion, step: Step, motion: FrameMotion) -> Carried:
         """Record the entries of an angle, begin its column, and pass everything through its turn.

@@ -227,6 +227,13 @@ def with_slope(column: Column, slope: Wrench, definitions: Definitions) -> Colum
     return replace(column, slope=_named_slope(slope, column.inertial.label, definitions))
 
 
+def with_coriolis(column: Column, wrench: Wrench, definitions: Definitions) -> Column:
+    """Return a column with another force and moment for unit rate, with its symbols."""
+    label = column.inertial.label
+    force = definitions.vector(f"FC_{label}", wrench.force)
+    return replace(column, coriolis=Wrench(force, definitions.vector(f"MC_{label}", wrench.moment)))
+
+
 def _named(column: Column, name: str, definitions: Definitions) -> Column:
     """Return a column with a symbol for every component."""
     force = definitions.vector(f"FC_{name}", column.coriolis.force)

@@ -274,15 +274,10 @@ def rotation_as_a_whole(body: int, rotation: Rotation, definitions: Definitions)
 def _by_quaternion(body: int, elements: Sequence[Expr], definitions: Definitions) -> MatrixTurn:
     """Return the turn by a quaternion of any length whose square is finite and not 0; NaN for others.
 
-    Twice the products of its elements, over their squared length s, make up the matrix. Where s overflows,
-    2 / s would be 0 and the rotation the identity; (3 - s (1 / s)) (1 / s) is the same number elsewhere, and
-    NaN there. A length too small for a square has an infinite reciprocal.
+    Twice the products of its elements, over their squared length, make up the matrix.
     """
     scalar, *vector = elements
-    squared = definitions.define(f"eq_{body}", Add(*(element * element for element in elements)))
-    inverse = definitions.define(f"ei_{body}", 1 / squared)
-    one = definitions.define(f"en_{body}", squared * inverse)
-    factor = definitions.define(f"eh_{body}", inverse * (3 - one))
+    factor = _twice_reciprocal(body, elements, definitions)
     scaled = [definitions.define(f"eh_{body}_{i}", factor * one) for i, one in enumerate(vector, start=1)]
     turn = [definitions.define(f"es_{body}_{i}", scalar * one) for i, one in enumerate(scaled, start=1)]
     square = [a * b for a, b in zip(scaled, vector, strict=True)]
@@ -321,6 +316,49 @@ def _quaternion_rates(quaternion: Sequence[Expr], omega: Vector) -> tuple[Expr, 
     scalar, *elements = quaternion
     vector, half = Vector(*elements), scale(Rational(1, 2), omega)
     return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))
+
+
+def turnings_as_a_whole(body: int, rotation: Rotation, definitions: Definitions) -> tuple[Vector, ...]:
+    """Return the rotations, in K, for unit changes of coordinates of a rotation that is not made of turns.
+
+    Args:
+        body: Number of body K.
+        rotation: Rotation of body K in the joint frame.
+        definitions: Definitions that the intermediates of `rotation_as_a_whole` were added to.
+
+    Raises:
+        TypeError: If the rotation is made of turns about axes.
+    """
+    match rotation:
+        case QuaternionRotation():
+            return _quaternion_turnings(body, rotation_coordinates(body, rotation), definitions)
+    raise TypeError(rotation)
+
+
+def _quaternion_turnings(
+    body: int, quaternion: Sequence[Expr], definitions: Definitions
+) -> tuple[Vector, ...]:
+    """Return the rotations, in K, for unit changes of the elements of a quaternion of any length.
+
+    These invert `_quaternion_rates`. A change of the length alone turns nothing.
+    """
+    factor = _twice_reciprocal(body, quaternion, definitions)
+    scalar, *elements = (definitions.define(f"eh_{body}_{i}", factor * e) for i, e in enumerate(quaternion))
+    vector = Vector(*elements)
+    whole = scale(-S.One, vector)
+    return (whole, *(add(scale(scalar, unit(i)), cross(unit(i), vector)) for i in range(3)))
+
+
+def _twice_reciprocal(body: int, quaternion: Sequence[Expr], definitions: Definitions) -> Expr:
+    """Return 2 over the squared length s of a quaternion.
+
+    Where s overflows, 2 / s would be 0 and the rotation the identity; (3 - s (1 / s)) (1 / s) is the same
+    number elsewhere, and NaN there. A length too small for a square has an infinite reciprocal.
+    """
+    squared = definitions.define(f"eq_{body}", Add(*(element * element for element in quaternion)))
+    inverse = definitions.define(f"ei_{body}", 1 / squared)
+    one = definitions.define(f"en_{body}", squared * inverse)
+    return definitions.define(f"eh_{body}", inverse * (3 - one))
 
 
 def constant_turns(matrix: Sequence[Sequence[Expr]]) -> tuple[Turn, ...]:

@@ -18,7 +18,6 @@ from kanegen.options import STRICT
 from kanegen.program.count import count
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import PREPARED, Module
-from kanegen.recursion.inverse_dynamics_derivatives import has_structured_derivatives
 from kanegen.recursion.outputs.derivatives import PARTS
 from tests.support import prescribed_trees, random_trees
 from tests.support.cases import slow_except
@@ -69,9 +68,8 @@ def agree(system: kg.System, name: str, seed: int) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("seed", slow_except(range(24), 0, 3))
-def test_random_trees_of_all_kinds(seed: int, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_random_trees_of_all_kinds(seed: int, name: str) -> None:
     """With force elements, loads on bodies and points, motors, rotors, couplings and parameters."""
-    monkeypatch.setattr(random_trees, "ROTATIONS", ("angle rates", "two angles", "hinge", "none"))
     agree(random_trees.everything(seed, bodies=3), name, seed)
 
 
@@ -86,11 +84,11 @@ def test_six_freedoms_a_body() -> None:
     agree(replace(system, bodies=system.bodies[:2]), "inverse_dynamics_derivatives", 1)
 
 
-def test_other_speeds_are_differentiated_by_tangents() -> None:
-    system = eight_body().with_speeds("angular_velocity")
-    assert not has_structured_derivatives(system)
-    (way, *_) = condition(accept(system, NAMES[:1], STRICT))
-    assert PARTS.keys().isdisjoint(way.methods)
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("coordinates", ["angles", "quaternion"])
+def test_angular_velocities(coordinates: str, name: str) -> None:
+    system = eight_body().with_speeds("angular_velocity").with_coordinates(coordinates)
+    agree(replace(system, bodies=system.bodies[:3]), name, 1)
 
 
 def test_where_the_solver_is_differentiated_nothing_else_is_derived() -> None:

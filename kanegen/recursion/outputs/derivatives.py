@@ -61,8 +61,8 @@ def _by_state(name: str, derive: Callable[[Tree], Derived]) -> Output:
     """Return the part that holds derivatives by {x} and {y}."""
 
     def array(system: System) -> Array:
-        n = len(system.freedoms)
-        return Array(name, (n, 2 * n), "N m, N", "derivatives by {x} and {y}")
+        n, coordinates = len(system.freedoms), len(system.coordinates)
+        return Array(name, (n, coordinates + n), "N m, N", "derivatives by {x} and {y}")
 
     return Output(name, array, ("x", "y", "ydot", *LOADS), Recursion("composite bodies", derive))
 

@@ -11,7 +11,7 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
-from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver, has_structured_derivatives
+from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
 from kanegen.recursion.outputs.operational import OPERATIONAL_NAMES
@@ -109,8 +109,7 @@ def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple
 
 def _takes_parts(derivation: Derivative, system: System) -> bool:
     """Return whether derivatives by {x} and {y} come from parts, not from the tangents of other outputs."""
-    through_solver = "forward_dynamics" in derivation.needs and differentiates_solver(system)
-    return has_structured_derivatives(system) and not through_solver
+    return not ("forward_dynamics" in derivation.needs and differentiates_solver(system))
 
 
 def takes_long(system: System, name: str) -> bool:
