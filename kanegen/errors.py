@@ -103,7 +103,7 @@ class ReadError(ModelError):
 
 
 class StatusError(KanegenError):
-    """A result is not finite or may be inaccurate in a state, and errors were asked for."""
+    """A result is not finite, not found by an iteration, or may be inaccurate, and errors were asked for."""
 
 
 class SingularError(ModelError, StatusError):

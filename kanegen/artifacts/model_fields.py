@@ -64,6 +64,7 @@ def model_fields(source: Source) -> Fields:
             "freedoms": list(model.freedom_names),
             "not_finite": n + 1,
             "rows": list(model.rows),
+            **({"not_converged": model.not_converged} if source.may_not_converge else {}),
         },
     }
 

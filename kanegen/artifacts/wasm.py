@@ -59,6 +59,7 @@ def wasm(source: Source) -> dict[str, str]:
         "held": _held(source.functions),
         "title": html.escape(model.shown),
         "has_batches": source.has_batches,
+        "may_not_converge": source.may_not_converge,
         "called": _called(source.functions),
         "has_steps": any(function.name == STEP for function in source.functions),
         "length": LENGTH.name if any(LENGTH.name in _names(one.inputs) for one in source.functions) else "",

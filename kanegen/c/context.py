@@ -83,7 +83,7 @@ def context(
         **_arithmetic(model, variant, model_formats, has_batches),
         **_status(model, functions, FINITE in variant.semantics),
         **_tables(model, outputs),
-        "sizes": declarations.sizes(model, functions),
+        "sizes": declarations.sizes(model, functions, steps),
         "limits": declarations.limits(model, model_formats),
         "limit_type": (DOUBLE if model_formats.storage is DOUBLE_DOUBLE else model_formats.storage).c_type,
         "patterns": declarations.patterns(model, functions),

@@ -76,18 +76,18 @@ def row_call(model: str, function: Function) -> list[str]:
     return wrap(f"failed += {text} != 0;", indent=" " * 8, hanging=" " * 12)
 
 
-def argument_list(function: Function, not_finite: str) -> list[str]:
+def argument_list(function: Function, model: ModelDescription) -> list[str]:
     """Return Doxygen lines for arguments and status: direction, name, lengths, meaning and unit.
 
     Args:
         function: The function.
-        not_finite: Name of the status of a result that is not finite.
+        model: Names of the model.
     """
     rows = [argument_row("[in]", array) for array in function.inputs]
     rows += [argument_row("[out]", array) for array in function.outputs]
     lines = columns(rows, width=WIDTH - len(" * "))
     names = " or ".join(array.name for array in function.outputs)
-    infinite = f"{not_finite} where a number in {names} is infinite or NaN"
+    infinite = f"{not_finite(model)} where a number in {names} is infinite or NaN"
     if not function.may_fail:
         lines += textwrap.wrap(f"@return 0, or {infinite}", WIDTH - len(" * "), subsequent_indent="    ")
     else:
@@ -99,14 +99,20 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
         for one in function.row_conditions:
             before = f"{one.first} + " if one.first else ""
             status = (
-                f"{not_finite} + {before}i for row i, from 1, of the {one.rows}, whose {one.quantity} is not "
-                "positive or NaN;"
+                f"{not_finite(model)} + {before}i for row i, from 1, of the {one.rows}, whose "
+                f"{one.quantity} is not positive or NaN;"
             )
             lines += textwrap.wrap(
                 status, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    "
             )
         lines.append(f"    {' and '.join(function.may_fail)} then {_holds(function)} NaN")
         lines += textwrap.wrap(infinite, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    ")
+    if function.may_not_converge:
+        status = (
+            f"{not_converged(model)} where the iteration for the step does not converge, because the step is "
+            f"too long for the method; {' and '.join(a.name for a in function.outputs)} then hold NaN"
+        )
+        lines += textwrap.wrap(status, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    ")
     if function.may_be_inaccurate:
         names = " and ".join(function.may_be_inaccurate)
         are = "is" if len(function.may_be_inaccurate) == 1 else "are"
@@ -130,6 +136,11 @@ def batch_notes(function: Function) -> list[str]:
 def not_finite(model: ModelDescription) -> str:
     """Return the name of the status of a function with a result that is infinite or NaN."""
     return f"{model.prefix}_NOT_FINITE"
+
+
+def not_converged(model: ModelDescription) -> str:
+    """Return the name of the status of a function whose iteration does not converge."""
+    return f"{model.prefix}_NOT_CONVERGED"
 
 
 def declarator(array: Array) -> str:
@@ -158,8 +169,16 @@ def _prototype(kind: str, name: str, arguments: list[str]) -> list[str]:
     return wrap(f"{kind} {name}({f',{BREAK}'.join(arguments)})", indent="", hanging="    ")
 
 
-def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
-    """Return the lines of the enumeration of array sizes and of the status of results that are not finite."""
+def sizes(
+    model: ModelDescription, functions: Sequence[Function], steps: Sequence[Function] = ()
+) -> list[str]:
+    """Return the lines of the enumeration of array sizes, and of statuses about no freedom and no row.
+
+    Args:
+        model: Names and sizes of the model.
+        functions: Every generated function.
+        steps: The functions of one step that functions of many steps contain.
+    """
     prefix = model.prefix
     rows = [
         (f"{prefix}_COORDINATES", len(model.coordinate_names), "elements of x"),
@@ -167,6 +186,8 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
         (f"{prefix}_BODIES", len(model.body_names), "N"),
         (not_finite(model), len(model.freedom_names) + 1, "status: a result is infinite or NaN"),
     ]
+    if any(function.may_not_converge for function in (*functions, *steps)):
+        rows.append((not_converged(model), model.not_converged, "status: an iteration does not converge"))
     if model.points:
         rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))
     asked = [function.name for function in functions]

@@ -110,6 +110,14 @@ class ModelDescription:
         return self.name.upper() if self.name == self.name.lower() else f"k{self.name}"
 
     @property
+    def not_converged(self) -> int:
+        """The status of an iteration that does not converge.
+
+        It is the number behind those of freedoms, of a result that is not finite, and of rows of outputs.
+        """
+        return len(self.freedom_names) + 1 + len(self.rows) + 1
+
+    @property
     def prescribed_names(self) -> tuple[str, ...]:
         """The p names of the freedoms whose motion is an input."""
         return tuple(name for name, _ in self.prescribed)

@@ -125,7 +125,7 @@ def printed_function(
     return PrintedFunction(
         name=f"{model}_{function.name}",
         signature=function,
-        arguments=argument_list(function, not_finite(render_input.model)),
+        arguments=argument_list(function, render_input.model),
         prototype=prototype(model, function, formats),
         code=one,
         batch_prototype=batch_prototype(model, function, formats),

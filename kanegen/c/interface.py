@@ -44,6 +44,7 @@ class Function:
         may_be_inaccurate: Names of outputs that may exist without being accurate; the status reports this.
         has_batch: Whether it has a batch form; `prepare` has one only where parameters differ by state, and
             code for one state alone has none.
+        may_not_converge: Whether an iteration finds the results, with a status where it does not converge.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Function:
     workspace: int = 0
     may_be_inaccurate: tuple[str, ...] = ()
     has_batch: bool = True
+    may_not_converge: bool = False
 
     @property
     def conditions(self) -> tuple[Condition, ...]:

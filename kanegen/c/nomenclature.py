@@ -49,6 +49,7 @@ OF_STEPS = (
     ("momentum", "[A]{y}"),
     ("pushed", "inputs with the generalized forces of an iteration"),
     ("active", "whether the iteration goes on"),
+    ("finite", "1 where all new values are finite numbers"),
     ("previous", "largest change in the iteration before"),
 )
 """Names in functions that follow a motion in steps, and their meanings."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from kanegen.c.declarations import not_finite
 from kanegen.c.functions import Code, PrintedFunction, printed_function
 from kanegen.c.interface import Function
 from kanegen.c.simd import SIMD
@@ -92,7 +91,7 @@ def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], lis
         PrintedRollout(
             name=f"{model.name}_{rollout.name}",
             signature=rollout,
-            arguments=rollout.argument_list(not_finite(model)),
+            arguments=rollout.argument_list(model),
             prototype=rollout.prototype(model.name, formats),
             batch_prototype=rollout.batch_prototype(model.name, formats),
             code=_rollout(single, rollout, "rollout"),

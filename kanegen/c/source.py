@@ -105,6 +105,12 @@ class Source:
         return next((array.pattern for array in arrays if array.pattern), ())
 
     @property
+    def may_not_converge(self) -> bool:
+        """Whether functions have an iteration, with a status where it does not converge."""
+        steps = (rollout.step for rollout in self.rollouts)
+        return any(function.may_not_converge for function in (*self.functions, *steps))
+
+    @property
     def precision(self) -> str:
         """Name of the precision of the arithmetic, in `precision.PRECISIONS`."""
         return self.variant.precision

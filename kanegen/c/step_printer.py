@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from kanegen.c.declarations import not_finite
+from kanegen.c.declarations import not_converged, not_finite
 from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import finite_test
 from kanegen.c.formats import Formats
@@ -173,6 +173,7 @@ class StepPrinter:
             "root_u": storage.literal(math.sqrt(2.0 * storage.roundoff)),
             "all_finite": finite_test(storage),
             "not_finite": not_finite(self.model),
+            "not_converged": not_converged(self.model),
             "magnitude": simd.pattern(simd.sign - 1) if simd else "",
             "bits": simd.size if simd else 0,
             "call": self._call,

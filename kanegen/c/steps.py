@@ -10,7 +10,8 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from kanegen.c.declarations import declarator
+from kanegen.c.declarations import declarator, not_converged, not_finite
+from kanegen.c.description import ModelDescription
 from kanegen.c.formats import Formats
 from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
@@ -125,6 +126,7 @@ def step_function(name: str, functions: Iterable[Function], speeds_are_rates: bo
         + (y.size**2 if method.needs else 0)
         + (4 * derivatives.size if derivatives else 0),
         may_be_inaccurate=names if any(function.may_be_inaccurate for function in called) else (),
+        may_not_converge=method.is_iterative,
     )
 
 
@@ -247,11 +249,11 @@ class Rollout:
         text = f"{model}_{self.name}({f',{BREAK}'.join(arguments)})"
         return wrap(f"failed += {text} != 0;", indent=" " * 8, hanging=" " * 12)
 
-    def argument_list(self, infinite: str) -> list[str]:
+    def argument_list(self, model: ModelDescription) -> list[str]:
         """Return Doxygen lines for arguments and status.
 
         Args:
-            infinite: Name of the status of a result that is not finite.
+            model: Names of the model.
         """
         rows: list[tuple[str, str, str, str]] = []
         for array in self.inputs:
@@ -271,9 +273,12 @@ class Rollout:
             ("@param[out]", "y_path", f"[kept * {y.size}]", "{y} of the stored states"),
             ("@param[out]", "made", "[1]", "number of steps before that of the status, or `steps`"),
         ]
+        reasons = not_finite(model)
+        if self.step.may_not_converge:
+            reasons += f"; {not_converged(model)} where the iteration for the step does not converge"
         returned = (
             f"@return the status of `{self.step.name}` in the first step after which the state is missing or "
-            f"not finite ({infinite}), from which on stored states are NaN; else that of the first step that "
+            f"not finite ({reasons}), from which on stored states are NaN; else that of the first step that "
             "may be inaccurate; else 0"
         )
         return [

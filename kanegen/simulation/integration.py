@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kanegen.errors import SingularError
+from kanegen.errors import StatusError
 from kanegen.model.arguments import Floats
 from kanegen.simulation.motion import Motion, StateLayout
 
@@ -70,19 +70,22 @@ def implicit_midpoint(motion: Motion, time: float, step: float, state: Floats) -
     iteration, until its changes are rounding errors.
 
     Raises:
-        SingularError: If the iteration does not converge.
+        StatusError: If the iteration does not converge, or the first state has no rates.
     """
     roundoff = np.finfo(state.dtype).eps
     rate, before = motion(time + step / 2, state), np.inf
     for _ in range(_MOST_ITERATIONS):
-        found = motion(time + step / 2, state + (step / 2) * rate)
+        try:
+            found = motion(time + step / 2, state + (step / 2) * rate)
+        except StatusError:  # the iteration has left the states that have accelerations
+            break
         change, rate = np.abs(step * (found - rate)), found
         size, largest = np.abs(step * rate), change.max()
         is_stagnant = before <= largest <= np.sqrt(roundoff) * size.max()
         if is_stagnant or (change <= 4 * roundoff * (np.abs(state) + size)).all():
             return step * rate
         before = largest
-    raise SingularError(
+    raise StatusError(
         f"at t = {time:.9g} s: the implicit midpoint method does not converge. Take a smaller step than "
         f"{step!r} s."
     )

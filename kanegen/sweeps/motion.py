@@ -10,6 +10,7 @@ import numpy as np
 
 from kanegen.errors import QUOTED, excerpt
 from kanegen.library import Library
+from kanegen.library.native.status import NO_CONVERGENCE, NOT_CONVERGED, TOO_LONG
 from kanegen.library.rollouts import Rollout
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Flags
@@ -175,8 +176,22 @@ class Motion:
         names = [f"x.{name}" for name in self._library.coordinate_names]
         names += [f"y.{name}" for name in self._library.speed_names]
         values = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, numbers, strict=True))
-        why = " ".join(messages) or NOT_FINITE
+        why = " ".join(messages) or self._why_no_state((x, y), first + made, row)
         return f"in the step from t = {time:.9g} s, {excerpt(values, QUOTED)}: {why}"
+
+    def _why_no_state(self, state: tuple[Floats, Floats], made: int, row: int) -> str:
+        """Return why the step from a state with accelerations leads to none.
+
+        Args:
+            state: (m,) coordinates and (n,) speeds.
+            made: Number of steps before.
+            row: Number of the row.
+        """
+        x, y = (np.tile(one, (row + 1, 1)) for one in state)
+        kinds: list[str] = []
+        library = self._library.with_on_status(lambda report: kinds.append(report.kind))
+        self._called(library, x, y, made, 1, 1, slice(row, row + 1))
+        return f"{NO_CONVERGENCE}: {TOO_LONG}" if NOT_CONVERGED in kinds else NOT_FINITE
 
     def _called(
         self,

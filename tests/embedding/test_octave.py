@@ -17,6 +17,7 @@ from kanegen.recursion.outputs import available
 from kanegen.reference.equations import forcing, mass_matrix
 from kanegen.reference.states import random_states
 from tests.support.c_compilers import WARNINGS
+from tests.support.octave import octave
 from tests.support.pages import blocks, run
 from tests.support.paths import MODELS, PENDULUM
 from tests.support.random_trees import everything
@@ -38,23 +39,6 @@ LOADS = ("force", "torque", "point_force", "point_moment", "t", "prescribed")
 """Inputs from outside, of which only some systems have each."""
 
 STATES = 4
-
-
-def octave(code: str, folder: Path) -> str:
-    """Run code in Octave in a folder and return what it prints."""
-    (folder / "script_of_test.m").write_text(f"{code}\ndisp('done')\n")
-    done = subprocess.run(
-        ["octave", "--no-gui", "--norc", "--quiet", "script_of_test.m"],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-        timeout=300,
-    )
-    printed = done.stdout
-    assert "done" in printed.splitlines(), printed  # its status may be 1 at the end of a good run
-    return printed
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ import kanegen as kg
 from kanegen.errors import ArrayError, KanegenWarning, OptionError, StatusError
 from kanegen.recursion.outputs import METHODS
 from kanegen.reference.states import random_states
+from tests.support.oscillator import oscillator
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
 
@@ -254,6 +255,59 @@ def test_a_stiff_damper_takes_long_steps_of_the_linearly_implicit_method() -> No
         for steps in (100, 200, 400)
     ]
     assert errors[0] < 1e-2 and np.log2(errors[0] / errors[2]) > 3.0
+
+
+ITERATED = ("implicit_midpoint", "variational_midpoint")
+
+
+@cache
+def spring() -> kg.Library:
+    """Return 1 kg on a spring of 1 N/m with iterative methods."""
+    names = [name for method in ITERATED for name in METHODS[method].functions]
+    return kg.build(oscillator(), (*names, "step_implicit_midpoint_derivatives"))
+
+
+@pytest.mark.parametrize("method", ITERATED)
+def test_an_iteration_that_does_not_converge_has_a_status_of_its_own(method: str) -> None:
+    """On a spring with frequency w the iteration gains h w/2, or its square, each time: h w < 2 converges."""
+    compiled = spring()
+    x, y = np.array([0.3]), np.array([0.1])
+    compiled.with_on_status("raise").step(x, y, step=1.2, method=method)
+    with pytest.raises(StatusError, match=rf"^step_{method}: the iteration for the step does not converge"):
+        compiled.step(x, y, step=2.5, method=method)
+    with pytest.warns(
+        KanegenWarning, match=r"after 0 of 3 steps, at t = 0 s, the iteration for the step does"
+    ):
+        found = compiled.rollout(x, y, steps=3, step=2.5, method=method)
+    assert found.made == 0 and np.isnan(found.x[1:]).all()
+    several = np.zeros((9, 1))
+    several[4] = 0.3  # at rest everywhere else, where nothing has to converge
+    with pytest.warns(
+        KanegenWarning, match=r"in 1 of 9 states, first in state 4, after 0 of 3 .* not converge"
+    ):
+        found = compiled.rollout(several, np.zeros((9, 1)), steps=3, step=2.5, method=method)
+    assert found.made.tolist() == [3, 3, 3, 3, 0, 3, 3, 3, 3]
+    with pytest.warns(KanegenWarning, match=r"in 1 of 9 states .* in state 4 the iteration for the step"):
+        compiled.step(several, np.zeros((9, 1)), step=2.5, method=method)
+    with pytest.raises(StatusError, match=r"x\[0\] is nan"):
+        compiled.with_on_status("raise").step([np.nan], y, step=2.5, method=method)
+
+
+def test_newtons_method_converges_on_a_spring_whatever_the_step() -> None:
+    """The equations are linear: x and y turn by 2 atan(h w/2)."""
+    found = spring().step_derivatives([0.3], [0.1], step=50.0, method="implicit_midpoint")
+    angle = 2 * np.arctan(25.0)
+    turned = [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+    assert np.allclose(found.A, turned, rtol=0, atol=1e-13)
+    assert np.allclose([found.x[0], found.y[0]], np.dot(turned, [0.3, 0.1]), rtol=0, atol=1e-13)
+
+
+def test_the_status_of_an_iteration_is_declared_where_a_method_has_one() -> None:
+    source = spring().source
+    assert f"SLIDER_NOT_CONVERGED = {source.model.not_converged}" in source.files["slider.h"].replace(
+        "  ", ""
+    )
+    assert "NOT_CONVERGED" not in library("double_pendulum", "rollout_rk4").source.files["double_pendulum.h"]
 
 
 def test_compensated_sums_keep_more_digits() -> None:

@@ -170,7 +170,7 @@ def test_energies_of_long_motions() -> None:
 
 def test_steps_too_large_for_the_implicit_midpoint_are_refused() -> None:
     with pytest.raises(
-        kg.SingularError, match=r"^at t = 0 s: the implicit midpoint method does not converge\. Take"
+        kg.StatusError, match=r"^at t = 0 s: the implicit midpoint method does not converge\. Take"
     ):
         simulate(slider(), [0.4], [0.2], [0.0, 10.0], "implicit_midpoint", step=2.0)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from tests.support.oscillator import oscillator
 from tests.support.paths import MODELS
 
 OUTPUTS = ("forward_dynamics", "rollout_rk4")
@@ -85,6 +86,17 @@ def test_a_singular_state_is_a_reason() -> None:
     start = "in the step from t = 0 s, x.hinge = 0, y.hinge = 0: forward_dynamics: "
     assert found.reasons[1].startswith(start)
     assert "at freedom 'hinge' of body 'rod'" in found.reasons[1]
+
+
+def test_an_iteration_that_does_not_converge_is_a_reason() -> None:
+    """On a spring of 1 N/m and 1 kg, steps of implicit methods that are longer than 2 s do not converge."""
+    job = kg.RolloutJob(7.5, 1.25, method="implicit_midpoint", results="end.x")
+    found = kg.sweep(oscillator(), {"x.slider.s1": [0.0, 0.3], "step": [1.25, 2.5]}, job)
+    start = (
+        "in the step from t = 0 s, x.slider.s1 = 0.3, y.slider.s1 = 0: the iteration for the step does not"
+    )
+    assert list(found.reasons) == [3]
+    assert found.reasons[3].startswith(start)
 
 
 def test_inputs_of_the_time_are_right_within_steps() -> None:

@@ -38,6 +38,7 @@ def cpp(source: Source) -> dict[str, str]:
         first_parameter=next(iter(identifiers([name for name, _ in model.parameters], "c")), ""),
         has_batches=source.has_batches,
         rows=row_names(source),
+        may_not_converge=source.may_not_converge,
         sizes=sizes(source),
         places=places(source),
         tables=list(tables(source, kinds)),

@@ -162,6 +162,7 @@ def _context(layout: Layout, description: Description, slopes: Sequence[Differen
     return {
         "model": model,
         "prefix": model.prefix,
+        "may_not_converge": layout.source.may_not_converge,
         "token": description.token,
         "is_fmi3": description.version == 3,
         "other_types": _OTHER_TYPES,

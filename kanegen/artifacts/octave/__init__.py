@@ -145,6 +145,8 @@ def _variables(source: Source) -> dict[str, Any]:
             for name, body in zip(model.freedom_names, model.freedom_bodies, strict=True)
         ],
         "rows": [c_text(name) for name in model.rows],
+        "may_not_converge": source.may_not_converge,
+        "not_converged": model.not_converged,
         "prepare": _prepare(prepare, source) if prepare else None,
         "by_state": source.parameters_by_state,
         "parameters": [(name, repr(value)) for name, value in model.parameters],

@@ -121,6 +121,8 @@ def _variables(source: Source) -> dict[str, Any]:
         "structs": members,
         "struct_names": sorted(one.name for one in members),
         "requirements": shown_requirements(source),
+        "may_not_converge": source.may_not_converge,
+        "not_converged": model.not_converged,
         "tables": list(tables(source, types.formats, scalar)),
         "sizes": sizes(model),
         "columns": columns(source),

@@ -31,10 +31,22 @@ MISSING = "missing"
 NOT_FINITE = "not finite"
 """A number in a result is infinite or NaN."""
 
+NOT_CONVERGED = "not converged"
+"""The iteration that finds a result does not converge, as in an implicit step that is too long: it is NaN."""
+
 INACCURATE = "inaccurate"
 """A result is finite, but its errors may be large."""
 
-_KINDS = (MISSING, NOT_FINITE, INACCURATE)
+_KINDS = (MISSING, NOT_CONVERGED, NOT_FINITE, INACCURATE)
+
+NO_CONVERGENCE = "the iteration for the step does not converge"
+TOO_LONG = (
+    "the step is too long for the method. Take a shorter step, or linearly_implicit for a stiff system."
+)
+"""What is wrong where an iteration does not converge, and the usual cause with what helps."""
+
+_WITHOUT_RESULT = (MISSING, NOT_CONVERGED)
+"""Kinds of statuses of states that have no result."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +56,8 @@ class StatusReport:
     Attributes:
         message: One or two sentences with the function, the first state concerned, and the freedom or the
             element of the result.
-        kind: `MISSING`, `NOT_FINITE` or `INACCURATE`; the first of these that occurs in a batch.
+        kind: `MISSING`, `NOT_CONVERGED`, `NOT_FINITE` or `INACCURATE`; the first of these that occurs in a
+            batch.
         is_alone: Whether the call was for one state, and not for a batch.
         states: Number of states concerned.
     """
@@ -90,7 +103,7 @@ def report(found: StatusReport, on_status: OnStatus) -> None:
     """
     if callable(on_status):
         on_status(found)
-    elif on_status == "raise" or (on_status == "warn" and found.kind == MISSING and found.is_alone):
+    elif on_status == "raise" or (on_status == "warn" and found.kind in _WITHOUT_RESULT and found.is_alone):
         raise found.error
     elif on_status == "warn":
         warn(found.message)
@@ -124,6 +137,7 @@ class Status:
         force_elements: One line of text for each force element that is undefined in some state.
         rows: Names of the rows of outputs with a condition for each row, in the order of their places.
         row_conditions: The conditions for rows of the outputs.
+        not_converged: The status of an iteration that does not converge; None for a function without one.
         remedy: Clause on what helps where most digits are lost at a freedom.
         homogeneous: For each orientation by homogeneous coordinates, such as a quaternion, the names of these
             coordinates by their places in {x}.
@@ -140,6 +154,7 @@ class Status:
     homogeneous: tuple[Mapping[int, str], ...] = ()
     rows: tuple[str, ...] = ()
     row_conditions: tuple[RowCondition, ...] = ()
+    not_converged: int | None = None
 
     @classmethod
     def of(cls, function: Function, model: ModelDescription) -> Status:
@@ -159,6 +174,7 @@ class Status:
             ),
             rows=model.rows,
             row_conditions=function.row_conditions,
+            not_converged=model.not_converged if function.may_not_converge else None,
         )
 
     def of_state(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> StatusReport:
@@ -213,10 +229,15 @@ class Status:
         """Return the kind of a status other than 0."""
         if status < 0:
             return INACCURATE
+        if status == self.not_converged:
+            return NOT_CONVERGED
         return NOT_FINITE if status == len(self.freedoms) + 1 else MISSING
 
     def clause(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
         """Return the sentences on a state, without a capital letter at the beginning."""
+        if status == self.not_converged:
+            cause = self.bad_input(inputs)
+            return f"{NO_CONVERGENCE}: {cause}." if cause else f"{NO_CONVERGENCE}: {TOO_LONG}"
         row, condition = self._row(status)
         if self.kind(status) == MISSING:
             quantity, failure = self.quantity, self.failure

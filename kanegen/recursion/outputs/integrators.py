@@ -45,6 +45,7 @@ class Method:
         condition: Quantity whose sign and size the method tests beside those of its outputs, and what it
             means that it is not positive; "" where there is none.
         cost_with_derivatives: What a step costs that is differentiated, in words; "" where there is none.
+        is_iterative: Whether a step is found by an iteration, which need not converge where the step is long.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Method:
     needs_further: tuple[str, ...] | None = ()
     condition: tuple[str, str] = ("", "")
     cost_with_derivatives: str = ""
+    is_iterative: bool = False
 
     @property
     def takes_prescribed(self) -> bool:
@@ -119,6 +121,7 @@ METHODS = {
             2,
             "as many evaluations of the rates as a fixed-point iteration takes, about seven",
             cost_with_derivatives="about five evaluations of rates and derivatives, by Newton's method",
+            is_iterative=True,
         ),
         Method(
             "variational_midpoint",
@@ -127,6 +130,7 @@ METHODS = {
             "an iteration as long as that of the implicit midpoint rule, with [C], {f} and [A]^-1",
             ("mass_matrix", "forcing", "coriolis_matrix", "forward_dynamics", "mass_matrix_inverse"),
             None,
+            is_iterative=True,
         ),
         Method(
             "linearly_implicit",
