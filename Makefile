@@ -55,7 +55,7 @@ generated: $(VENV)/.tests
 
 # Time kanegen and its peers and rewrite docs/benchmarks.md; the first time Pinocchio takes minutes to compile.
 bench: $(VENV)/.bench
-	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks $(MODELS)
 
 # Compare closed forms with those of SymPy's KanesMethod and of textbooks; rewrites docs/closed-forms.md in a minute.
 closed-forms: $(VENV)/.tests

@@ -1,48 +1,110 @@
-"""Times kanegen and its peers on the standard models; writes docs/benchmarks.md and docs/benchmarks.svg.
+"""Times kanegen and its peers on the standard models; writes docs/benchmarks.md and the speeds in the README.
 
-python -m benchmarks [--models NAME ...] [--rounds R] [--seconds S] [--states B] [--docs FOLDER]
+python -m benchmarks [MODEL ...] [--quick] [--rounds R] [--seconds S] [--states B] [--folder FOLDER]
+python -m benchmarks --prepare [MODEL ...]
+python -m benchmarks --render
+
+Times are saved in benchmarks.json, from which everything else is made. With models by name everything is
+written into build/benchmarks instead of docs. --prepare compiles all programs without timing them, so that a
+later run only measures; --render makes the page, the picture and the README of saved times anew.
 """
 
 from __future__ import annotations
 
 import argparse
 import functools
+import os
 import sys
 from pathlib import Path
 
-from benchmarks import models
+from benchmarks import models, readme
 from benchmarks.document import document, section
-from kanegen.files import write_whole
+from kanegen.files import write_all, write_whole
 from kanegen.studies.bench import BenchOptions, Comparison, compare
+from kanegen.studies.bench.against import compare_records, require_comparable
 from kanegen.studies.bench.plot import svg
+from kanegen.studies.bench.record import Record, read_record
+from kanegen.studies.bench.table import heads_of_changes, row_of_change
+from kanegen.studies.markdown import markdown_table
 
-DOCS = Path(__file__).parents[1] / "docs"
+ROOT = Path(__file__).parents[1]
+QUICK = BenchOptions(states=128, rounds=6, seconds=0.005)
+"""The options of --quick: the fewest rounds that have a confidence interval."""
 
 
 def main() -> None:
+    """Measure, or only compile or only render, as the command line asks."""
     arguments = _arguments()
-    options = BenchOptions(arguments.states, arguments.rounds, arguments.seconds)
-    arguments.docs.mkdir(parents=True, exist_ok=True)
+    folder = arguments.folder or (ROOT / "build" / "benchmarks" if arguments.models else ROOT / "docs")
+    folder.mkdir(parents=True, exist_ok=True)
+    saved = folder / "benchmarks.json"
+    if arguments.render:
+        _render(read_record(saved), folder)
+        return
+    names = arguments.models or list(models.NAMES)
+    if arguments.prepare:
+        for name in names:
+            compare(models.system(name), BenchOptions(8, 0, 0.0), functools.partial(_say, name))
+        return
+    options = _options(arguments)
+    before = None if arguments.against is None else read_record(arguments.against)
+    if before is not None:
+        for name in names:
+            require_comparable(before, arguments.against, name, options.rounds)
     comparisons: list[Comparison] = []
-    for name in arguments.models:
-        comparisons.append(compare(models.system(name), options, functools.partial(_say, name)))
+    for name in names:
+        cores = os.cpu_count() or 1
+        comparisons.append(compare(models.system(name), options, functools.partial(_say, name), cores=cores))
         print(section(comparisons[-1]), flush=True)
-        write_whole(arguments.docs / "benchmarks.md", document(comparisons, options))
-        write_whole(arguments.docs / "benchmarks.svg", svg(comparisons))
-    if not all(comparison.agrees for comparison in comparisons):
-        sys.exit("some results do not agree; the tables say which")
+        record = Record.here(comparisons, options)
+        write_whole(saved, record.text())
+        _render(record, folder)
+    failed = [one.model for one in comparisons if not one.agrees]
+    if before is not None:
+        verdict = compare_records(record, before, arguments.against)
+        print(markdown_table(heads_of_changes(), [row_of_change(row) for row in verdict.rows], 5))
+        print("\n".join(verdict.notes))
+        failed += [f"{row.model} became slower" for row in verdict.slower]
+    if failed:
+        sys.exit(f"some results do not agree or became slower; the tables say which: {', '.join(failed)}")
+
+
+def _render(record: Record, folder: Path) -> None:
+    """Write the page and the picture of saved times, and where they are those of the docs, the README."""
+    texts: dict[Path, str | bytes] = {
+        folder / "benchmarks.md": document(record),
+        folder / "benchmarks.svg": svg(record.comparisons),
+    }
+    if folder == ROOT / "docs":
+        texts[readme.README] = readme.with_speed(readme.README.read_text(encoding="utf-8"), record)
+    write_all(texts)
+
+
+def _options(arguments: argparse.Namespace) -> BenchOptions:
+    """Return the extent of the comparisons."""
+    base = QUICK if arguments.quick else BenchOptions()
+    asked = (arguments.states, arguments.rounds, arguments.seconds)
+    chosen = (base.states, base.rounds, base.seconds)
+    states, rounds, seconds = (b if a is None else a for a, b in zip(asked, chosen, strict=True))
+    return BenchOptions(int(states), int(rounds), seconds)
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
-    parser.add_argument("--models", nargs="+", default=models.NAMES, choices=models.NAMES)
-    parser.add_argument("--rounds", type=int, default=BenchOptions.rounds)
-    parser.add_argument(
-        "--seconds", type=float, default=BenchOptions.seconds, help="duration of each task in every round"
-    )
-    parser.add_argument("--states", type=int, default=BenchOptions.states)
-    parser.add_argument("--docs", type=Path, default=DOCS)
-    return parser.parse_args()
+    """Return the options of the command line."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("models", nargs="*", metavar="MODEL", help=f"among {', '.join(models.NAMES)}")
+    parser.add_argument("--quick", action="store_true", help="few and short rounds, in about three minutes")
+    parser.add_argument("--prepare", action="store_true", help="compile all programs, and time nothing")
+    parser.add_argument("--render", action="store_true", help="make the page of saved times")
+    parser.add_argument("--against", type=Path, metavar="FILE", help="compare with a saved benchmarks.json")
+    parser.add_argument("--rounds", type=int)
+    parser.add_argument("--seconds", type=float, help="duration of each task in every round")
+    parser.add_argument("--states", type=int)
+    parser.add_argument("--folder", type=Path, help="where benchmarks.json and the page lie")
+    arguments = parser.parse_args()
+    if unknown := [name for name in arguments.models if name not in models.NAMES]:
+        parser.error(f"no model {unknown[0]!r}; there are {', '.join(models.NAMES)}")
+    return arguments
 
 
 def _say(model: str, stage: str) -> None:

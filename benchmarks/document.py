@@ -1,4 +1,5 @@
-"""The document docs/benchmarks.md: summaries, the method, and every number."""
+"""The page docs/benchmarks.md, made of saved times: what is slower, summaries, the method, and every
+number."""
 
 from __future__ import annotations
 
@@ -6,63 +7,81 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 
-from kanegen.measure.machine import Machine
-from kanegen.studies.bench import BenchOptions, Comparison, Entry, table
-from kanegen.studies.bench.comparison import KANEGEN, PYTHON
-from kanegen.studies.bench.participant import EXACT, NATIVE, RELAXED, SETTINGS, Setting
-from kanegen.studies.bench.peers.casadi_peer import CASADI
-from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
-from kanegen.studies.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
+from benchmarks import summaries
+from kanegen.measure.timing import CONFIDENCE
+from kanegen.studies.bench import BenchOptions, Comparison, table
+from kanegen.studies.bench.peers import casadi_peer
 from kanegen.studies.bench.peers.problem import MOST_DERIVATIVE_FREEDOMS
-from kanegen.studies.bench.peers.pydy_peer import MOST_FREEDOMS, PYDY, TIME_LIMIT
-from kanegen.studies.bench.results import QUANTITIES, TOLERANCE
+from kanegen.studies.bench.peers.pydy_peer import MOST_FREEDOMS, TIME_LIMIT
+from kanegen.studies.bench.record import Record
+from kanegen.studies.bench.results import BY_DIFFERENCES, TOLERANCE
+from kanegen.studies.bench.settings import DEFAULT, DEFAULT_AVX2, NATIVE, NATIVE_AVX2, PORTABLE, Setting
 from kanegen.studies.markdown import markdown_table
 
-PEERS = (PINOCCHIO, FREE_FLYER, MUJOCO, CASADI, PYDY)
-"""The peers in the order of the columns."""
+_INTRODUCTION = f"""\
+Written by `make bench` (`python -m benchmarks`) from [benchmarks.json](benchmarks.json); do not edit it
+by hand. `kanegen bench MODEL` measures the same for one model. A ratio is the time of kanegen over that
+of the peer: 1/8 means that kanegen takes an eighth of the time. In brackets stands the interval that
+holds the ratio with {100 * CONFIDENCE:g} % confidence, for 1/8.0 that of 8.0. The ratios carry over to
+other machines better than the nanoseconds, but hardly from one set of vector instructions to another:
+kanegen and peers are compared where their compilers may use the same."""
 
-_INTRODUCTION = """\
-Written by `make bench` (`python -m benchmarks`); do not edit it by hand. `kanegen bench MODEL` measures the
-same for one model. A ratio is the time of kanegen over that of the peer: 1/8 means that kanegen takes an
-eighth of the time. The ratios carry over to other machines better than the nanoseconds."""
+_BEHIND = """\
+All cases of this run in which kanegen is slower than a peer, or in which the interval does not rule it
+out, the worst first."""
 
-_SHARED = """\
-Other work ran on the machine while the times were taken. The programs were timed in turns, so the load
-affected all of them alike; the nanoseconds are those of this machine under this load."""
+_NOWHERE = "In this run kanegen was behind no peer in any case: every interval ends below 1."
+
+_GAINS = """\
+Times of the default build over those of portable code, which `kanegen generate` writes; both compute the
+same bits."""
 
 _CALLS = f"""\
 One state in each call, `library.evaluate(x, y)` and `library.forward_dynamics(x, y, tau)` with arrays of
-doubles. The C is the same, compiled as *{EXACT.name}*; *beyond* is the time that Python and NumPy add to it.
-Large batches hide this time."""
+doubles. The C is the same, compiled as *{DEFAULT.name}*; *beyond* is the time that Python and NumPy add
+to it. Large batches hide this time; `library.bind` avoids most of it
+([call-times.md](embedding/call-times.md)). Programs that are called from Python stand beside these calls."""
+
+_ALL_CORES = """\
+Every program runs once on every core at the same time, with states of its own, and the time is that in
+which all cores together have computed one state more."""
+
+_MEANINGS = {
+    DEFAULT.name: "what `kanegen.build` takes here, with the bits of portable code",
+    DEFAULT_AVX2.name: "what it takes on a processor with AVX2",
+    PORTABLE.name: "code for every processor of the architecture",
+    NATIVE.name: "products and sums may be fused",
+    NATIVE_AVX2.name: "the same for processors with AVX2",
+}
 
 _METHOD = Path(__file__).with_name("method.md")
 
 
-def document(comparisons: Sequence[Comparison], options: BenchOptions) -> str:
-    """Return the Markdown: summaries first, then the method, then every number."""
+def document(record: Record) -> str:
+    """Return the Markdown: what is slower, summaries, the method, and every number."""
+    comparisons = record.comparisons
+    machine = record.machine
     parts = [
         "# kanegen beside its peers",
         _INTRODUCTION,
+        "Taken on:",
+        "\n".join(f"- {line}" for line in machine.lines()),
+        "## Where kanegen is slower",
+        *_behind(comparisons),
         "![Times of all programs on all models](benchmarks.svg)",
-        f"## One state, compiler setting *{NATIVE.name}*",
-        *_summaries(comparisons, NATIVE),
-        f"## Many states at once, compiler setting *{NATIVE.name}*",
-        *_summaries(comparisons, NATIVE, batch=True),
-        f"## The default, *{EXACT.name}*",
-        *_summaries(comparisons, EXACT),
-        f"## Compiler setting *{RELAXED.name}*",
-        *_summaries(comparisons, RELAXED),
-        *_summaries(comparisons, RELAXED, batch=True),
+        *_sections(comparisons),
+        *_all_cores(comparisons),
+        "## What the default build gains",
+        _GAINS,
+        *_gains(comparisons),
         "## Calls from Python",
         _CALLS,
-        _calls(comparisons),
+        summaries.calls(comparisons),
+        *_from_python(comparisons),
         "## What is compared",
-        _method(options),
+        _method(record.options),
         "Compiler settings:",
-        "\n".join(f"- *{setting.name}*: `{' '.join(setting.flags)}`" for setting in SETTINGS),
-        "## Machine",
-        "\n".join(f"- {line}" for line in Machine.here().lines()),
-        _SHARED,
+        "\n".join(_setting_line(setting) for setting in _settings(comparisons).values()),
         "## Every number",
         *(section(comparison) for comparison in comparisons),
     ]
@@ -72,7 +91,7 @@ def document(comparisons: Sequence[Comparison], options: BenchOptions) -> str:
 def section(comparison: Comparison) -> str:
     """Return the section with every number of one model."""
     parts = [f"### {comparison.model}, {comparison.n} freedoms"]
-    for quantity in QUANTITIES:
+    for quantity in comparison.quantities:
         parts.append(
             markdown_table(
                 table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXT_COLUMNS
@@ -81,43 +100,88 @@ def section(comparison: Comparison) -> str:
     return "\n\n".join([*parts, *table.notes(comparison), *table.left_out(comparison)])
 
 
-def _summaries(comparisons: Sequence[Comparison], setting: Setting, batch: bool = False) -> Iterator[str]:
-    """Yield one table for each quantity: a row a model, kanegen in one compiler setting over its peers."""
-    for quantity in QUANTITIES:
-        title = f"{table.TITLES[quantity]}{', batch' if batch else ''}, ns a state"
-        rows = []
-        for comparison in comparisons:
-            own = comparison.best(KANEGEN, quantity, setting, batch)
-            shares = [table.ratio(own, comparison.best(peer, quantity)) for peer in PEERS]
-            rows.append([comparison.model, str(comparison.n), _ns(own), *shares])
-        yield markdown_table(["", "freedoms", title, *(f"over {peer}" for peer in PEERS)], rows)
+def _behind(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield what stands first: the cases in which kanegen is not certainly faster."""
+    rows = summaries.behind(comparisons)
+    if not rows:
+        yield _NOWHERE
+        return
+    yield _BEHIND
+    yield markdown_table(["model", "quantity", "kanegen", "peer", "ratio"], rows, 4)
 
 
-def _calls(comparisons: Sequence[Comparison]) -> str:
-    """Return the table of calls from C, calls from Python, and the difference; one row for each model."""
-    head, rows = [""], [[comparison.model] for comparison in comparisons]
-    for quantity in QUANTITIES:
-        head += [f"{table.TITLES[quantity]} from C, ns", "from Python", "beyond"]
-        for comparison, row in zip(comparisons, rows, strict=True):
-            own, call = comparison.best(KANEGEN, quantity, EXACT), comparison.best(PYTHON, quantity)
-            beyond = table.ns(comparison.overhead(quantity))
-            row += [_ns(own), _ns(call), beyond]
-    return markdown_table(head, rows)
+def _sections(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield the summaries of every compiler setting, for one state a call and for batches."""
+    known = _settings(comparisons)
+    for name in (DEFAULT.name, NATIVE.name, DEFAULT_AVX2.name, NATIVE_AVX2.name, PORTABLE.name):
+        if (setting := known.get(name)) is None:
+            continue
+        for words, batch in (("One state a call", False), ("Batches", True)):
+            yield f"## {words}: {setting.words}"
+            yield f"Compiled with `{' '.join(setting.flags)}`: {_MEANINGS[name]}."
+            yield from summaries.summaries(comparisons, setting, batch)
 
 
-def _ns(entry: Entry | None) -> str:
-    return table.ns(None if entry is None else entry.median)
+def _all_cores(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield the section about all cores; nothing where only one core was used."""
+    several = {
+        summaries.Case(case.quantity, case.setting, case.batch, case.cores): None
+        for one in comparisons
+        for case in summaries.cases(one)
+        if case.cores > 1
+    }
+    if several:
+        yield "## All cores"
+        yield _ALL_CORES
+    for case in several:
+        yield f"*{case.setting.words}*:\n\n{summaries.summary(comparisons, case)}"
+
+
+def _gains(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield what default builds gain over portable code."""
+    known = _settings(comparisons)
+    for name in (DEFAULT.name, DEFAULT_AVX2.name):
+        if name in known and (text := summaries.gains_of_default(comparisons, known[name])):
+            yield f"*{known[name].words}*:\n\n{text}"
+
+
+def _from_python(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield the tables of kanegen's C called from Python beside programs that are called from Python."""
+    python = {
+        case: None
+        for one in comparisons
+        for case in summaries.cases(one)
+        if case.participant == summaries.PYTHON
+    }
+    for case in python:
+        if summaries.peers(comparisons, case):
+            yield summaries.summary(comparisons, case)
+
+
+def _settings(comparisons: Sequence[Comparison]) -> dict[str, Setting]:
+    """Return the compiler settings of all entries by their names."""
+    return {entry.setting.name: entry.setting for one in comparisons for entry in one.entries}
+
+
+def _setting_line(setting: Setting) -> str:
+    """Return the line of a compiler setting in the list of all."""
+    flags = f"`{' '.join(setting.flags)}`" if setting.flags else "as the program chooses"
+    return f"- *{setting.words}*: {flags}"
 
 
 def _method(options: BenchOptions) -> str:
+    """Return the description of the method with its numbers."""
     template = Template(_METHOD.read_text(encoding="utf-8"))
     numbers = {
         "states": options.states,
         "rounds": options.rounds,
         "seconds": f"{options.seconds:g}",
         "tolerance": f"{TOLERANCE:.0e}",
+        "differences": f"{BY_DIFFERENCES:.0e}",
         "most": MOST_FREEDOMS,
         "derived": MOST_DERIVATIVE_FREEDOMS,
+        "casadi_derived": casadi_peer.MOST_DERIVATIVE_FREEDOMS,
         "time_limit": TIME_LIMIT,
+        "confidence": f"{100 * CONFIDENCE:g} %",
     }
     return template.substitute(numbers).strip()

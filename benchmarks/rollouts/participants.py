@@ -19,12 +19,13 @@ from kanegen.model.system import System
 from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.comparison import KANEGEN
-from kanegen.studies.bench.participant import AS_SHIPPED, NATIVE, Participant, Setting
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.joints import joints
 from kanegen.studies.bench.peers.mujoco_peer import MUJOCO, mjcf, mujoco_library
 from kanegen.studies.bench.peers.pinocchio_peer import BOOST, PINOCCHIO, joint_table
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.results import Task
+from kanegen.studies.bench.settings import AS_SHIPPED, NATIVE, Setting
 from kanegen.studies.bench.states import write_states
 
 HERE = Path(__file__).parent

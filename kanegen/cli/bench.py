@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,7 +13,6 @@ from kanegen.cli.options import (
     AS_WRITTEN,
     FloatingBase,
     JointDynamics,
-    JsonFile,
     Lock,
     Model,
     Plot,
@@ -25,6 +25,7 @@ from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
     from kanegen.studies.bench import BenchOptions, Comparison
+    from kanegen.studies.bench.against import Verdict
 
 DEFAULT_PEERS = ["pinocchio", "casadi", "mujoco", "pydy"]
 """The peers that take part where the command line names none: all of them."""
@@ -54,7 +55,17 @@ def bench(
             "contact_dynamics.",
         ),
     ] = None,
-    json_: JsonFile = None,
+    save: Annotated[
+        Path | None,
+        typer.Option("--save", "--json", metavar="FILE", help="Save all numbers and the machine as JSON."),
+    ] = None,
+    against: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Compare with times that --save wrote; the exit status is 1 if a task of kanegen is slower.",
+        ),
+    ] = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
@@ -68,32 +79,56 @@ def bench(
     and left out. Loads are switched off and run-time parameters become constants. Compiling Pinocchio takes
     minutes the first time. With --output, frames are that of the body with the most bodies below it, and
     contact_dynamics holds its origin.
+
+    With --against, each task of kanegen is compared by its ratio to a peer that both runs timed, and by its
+    time if there is none; it is slower if the 99 % confidence interval of the change is above 1.02. Times of
+    another machine or compiler are never compared.
     """
     from kanegen.studies.bench import BenchOptions, compare
-    from kanegen.studies.bench.comparison import json_record
+    from kanegen.studies.bench.against import compare_records, require_comparable
     from kanegen.studies.bench.outputs import compare_outputs
     from kanegen.studies.bench.plot import svg
+    from kanegen.studies.bench.record import Record, read_record
 
     require_plot(plot)
     if output and plot is not None:
         raise OptionError("--plot shows [A] and {f}, {ydot} and its derivatives, not outputs. Leave it out.")
-    require_writable(json_, plot)
+    require_writable(save, plot)
     options = BenchOptions(states, rounds, seconds)
+    saved = None if against is None else read_record(against)
     system = load_system(model, floating_base, right_angles, lock=lock, joint_dynamics=joint_dynamics)
+    if saved is not None and against is not None:
+        require_comparable(saved, against, system.name, rounds)
     with progress() as report:
         if output:
             comparison = compare_outputs(system, output, options, report)
         else:
             comparison = compare(system, options, report, peer)
     _show(comparison, options)
+    record = Record.here([comparison], options)
     texts = {}
-    if json_ is not None:
-        texts[json_] = json_record([comparison], options)
+    if save is not None:
+        texts[save] = record.text()
     if plot is not None:
         texts[plot] = svg([comparison])
     write_all(texts)
-    if not comparison.agrees:
+    failed = not comparison.agrees
+    if saved is not None and against is not None:
+        failed |= _show_changes(compare_records(record, saved, against))
+    if failed:
         raise typer.Exit(FAILED)
+
+
+def _show_changes(verdict: Verdict) -> bool:
+    """Print the changes since a saved run, and return whether a task became slower."""
+    from kanegen.studies.bench import table
+
+    print_table(table.heads_of_changes(), [table.row_of_change(row) for row in verdict.rows], 5)
+    for note in verdict.notes:
+        print_plain(f"{note}.")
+    slower = len(verdict.slower)
+    print_plain(f"{counted(slower, 'task')} of {len(verdict.rows)} became slower.")
+    return bool(slower)
 
 
 def _show(comparison: Comparison, options: BenchOptions) -> None:

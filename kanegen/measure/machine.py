@@ -12,11 +12,29 @@ from typing import Self
 
 from kanegen.library.native import compilers
 
-PACKAGES = ("libpinocchio", "cmeel-eigen", "casadi", "mujoco", "pydy", "sympy", "numpy")
+PACKAGES = (
+    "libpinocchio",
+    "cmeel-eigen",
+    "cmeel-cppadcodegen",
+    "casadi",
+    "mujoco",
+    "dynibo",
+    "frax",
+    "jaxlib",
+    "pydy",
+    "sympy",
+    "numpy",
+)
 """Packages whose versions a description names, because programs that are timed depend on them."""
 
 INSTRUCTION_SETS = ("avx2", "fma", "avx512f")
 """Vector instruction sets that a description names where the processor has them."""
+
+AVX512, AVX2 = "AVX-512", "AVX2"
+"""Names of vector instructions of x86-64 that not all of its processors have."""
+
+_BASELINES = {"x86_64": "SSE2", "amd64": "SSE2", "aarch64": "NEON", "arm64": "NEON"}
+"""Vector instructions that all processors of an architecture have."""
 
 
 @dataclass(frozen=True)
@@ -57,13 +75,38 @@ class Machine:
         return [f"{self.processor}, {self.system}", self.compiler, self.versions]
 
 
-def _processor() -> str:
-    """Return the name, family, model and vector instruction sets of the processor."""
+def baseline() -> str:
+    """Return the vector instructions of every processor of this architecture; "" if they are not known."""
+    return _BASELINES.get(platform.machine().lower(), "")
+
+
+def widest() -> str:
+    """Return the widest vector instructions of this processor, for which -march=native makes code.
+
+    Example:
+        >>> widest()
+        'AVX-512'
+    """
+    present = _fields().get("flags", "").split()
+    if "avx512f" in present:
+        return AVX512
+    return AVX2 if {"avx2", "fma"} <= set(present) else baseline()
+
+
+def _fields() -> dict[str, str]:
+    """Return the lines about the last processor in /proc/cpuinfo; empty where there is no such file."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
     except OSError:
+        return {}
+    return dict(re.findall(r"^(model name|cpu family|model|flags)\s*: (.*)$", text, flags=re.MULTILINE))
+
+
+def _processor() -> str:
+    """Return the name, family, model and vector instruction sets of the processor."""
+    fields = _fields()
+    if not fields:
         return platform.processor() or "unknown processor"
-    fields = dict(re.findall(r"^(model name|cpu family|model|flags)\s*: (.*)$", text, flags=re.MULTILINE))
     present = fields.get("flags", "").split()
     name = fields.get("model name", platform.processor())
     sets = " ".join(name for name in INSTRUCTION_SETS if name in present)

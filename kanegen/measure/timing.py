@@ -4,7 +4,13 @@ Every program has one time in every round, and all programs share the rounds, so
 machine hits one round of all of them. Two programs are compared by the ratios of their rounds. The confidence
 interval of the median ratio comes from order statistics: the median lies between the j-th smallest and the
 j-th largest of n ratios with the probability 1 - 2 P(B < j), where B is binomial with n and 1/2, whatever the
-distribution of the ratios is. Such an interval needs at least six rounds.
+distribution of the ratios is (H. A. David, H. N. Nagaraja, Order Statistics, 3rd edition, 2003, section 7.1).
+Such an interval needs at least six rounds.
+
+Rounds of two runs are not taken in turns. Then the ratio of the two runs is the median of all ratios of a
+round of one to a round of the other, and its confidence interval comes from the statistic of Mann and Whitney
+(M. Hollander, D. A. Wolfe, E. Chicken, Nonparametric Statistical Methods, 3rd edition, 2014, sections 4.2 and
+4.3). It needs at least five rounds in each run.
 """
 
 from __future__ import annotations
@@ -29,6 +35,9 @@ TIE = 1.02
 
 CONFIDENCE = 0.95
 """Probability with which a confidence interval holds the median ratio."""
+
+CONFIDENCE_OF_CHANGES = 0.99
+"""Probability with which a confidence interval holds the ratio of two runs, of which many are looked at."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +102,63 @@ def speedup(slow: Times, fast: Times) -> Speedup:
     ratios = sorted(a / b for a, b in zip(slow.rounds, fast.rounds, strict=True))
     low, high = _median_interval(ratios)
     return Speedup(float(np.median(ratios)), low, high, slow.least / fast.least)
+
+
+@dataclass(frozen=True)
+class Change:
+    """The ratio of the times of a later run to those of an earlier one.
+
+    Attributes:
+        median: Median of the ratios of all rounds of the one to all rounds of the other.
+        low: Lower end of the confidence interval of the ratio; 0 with too few rounds.
+        high: Upper end of this interval; infinity with too few rounds.
+    """
+
+    median: float
+    low: float
+    high: float
+
+    @property
+    def is_slower(self) -> bool:
+        """Whether the confidence interval is above a tie."""
+        return self.low > TIE
+
+    @property
+    def is_faster(self) -> bool:
+        """Whether the confidence interval is below a tie."""
+        return self.high < 1 / TIE
+
+
+def change(later: Sequence[float], earlier: Sequence[float]) -> Change:
+    """Return the ratio of the rounds of a later run to those of an earlier one, which may be fewer or more.
+
+    Example:
+        >>> change([2.0] * 9, [1.0] * 9).median
+        2.0
+    """
+    ratios = sorted(a / b for a in later for b in earlier)
+    cut, outside = -1, 0.0
+    shares = _mann_whitney(len(later), len(earlier))
+    while 2 * (outside := outside + shares[cut + 1]) <= 1 - CONFIDENCE_OF_CHANGES:
+        cut += 1
+    low, high = (ratios[cut], ratios[-1 - cut]) if cut >= 0 else (0.0, math.inf)
+    return Change(float(np.median(ratios)), low, high)
+
+
+def _mann_whitney(m: int, n: int) -> list[float]:
+    """Return the probabilities of 0, 1, ... m n pairs in order, for m and n numbers of one distribution.
+
+    The number of pairs is that of the inversions of a random merger; the coefficients of the Gaussian
+    binomial count the mergers.
+    """
+    counts = np.zeros(m * n + 1, dtype=object)
+    counts[0] = 1
+    for k in range(1, m + 1):
+        for j in range(m * n, n + k - 1, -1):
+            counts[j] -= counts[j - n - k]
+        for j in range(k, m * n + 1):
+            counts[j] += counts[j - k]
+    return [float(count / math.comb(m + n, m)) for count in counts]
 
 
 def tied(times: Sequence[Times]) -> list[int]:

@@ -6,23 +6,27 @@ import importlib.util
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen import extras as optional
+from kanegen.cli.app import app
 from kanegen.errors import MissingError
 from kanegen.measure.timing import Times
 from kanegen.reference.states import ActuatedStates, states_away_from_gimbal_lock
 from kanegen.studies import bench
 from kanegen.studies.bench import building, plot, table
+from kanegen.studies.bench import settings as settings_module
 from kanegen.studies.bench.compare import evaluate
-from kanegen.studies.bench.comparison import KANEGEN, PYTHON, Absence, Comparison, Entry, json_record
-from kanegen.studies.bench.participant import EXACT, NATIVE, Participant
+from kanegen.studies.bench.comparison import KANEGEN, PYTHON, Absence, Comparison, Entry
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers import kanegen_peer, pydy_peer
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.peers.registry import participants
@@ -34,6 +38,14 @@ from kanegen.studies.bench.results import (
     TOLERANCE,
     Task,
     difference,
+)
+from kanegen.studies.bench.settings import (
+    DEFAULT,
+    DEFAULT_AVX2,
+    NATIVE,
+    NATIVE_AVX2,
+    Setting,
+    here,
 )
 from kanegen.studies.bench.states import read_states, without_loads_and_parameters, write_states
 from tests.support import systems
@@ -59,7 +71,7 @@ def own(system: kg.System, states: ActuatedStates, folder: Path) -> Participant:
 def with_driver(code: str, tmp_path: Path) -> Participant:
     """Return a participant whose driver is a line of Python."""
     task = Task("equations", EQUATIONS)
-    return Participant("other", EXACT, (sys.executable, "-c", code), tmp_path / "states", (task,))
+    return Participant("other", DEFAULT, (sys.executable, "-c", code), tmp_path / "states", (task,))
 
 
 @pytest.fixture
@@ -73,8 +85,20 @@ def nothing_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(metadata, "files", files)
 
 
+FEW = (DEFAULT, NATIVE)
+"""Compiler settings that are compiled here; the others differ in flags only."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_settings() -> Iterator[None]:
+    """Compile in few settings."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kanegen_peer, "SETTINGS", FEW)
+        yield
+
+
 @pytest.fixture(scope="module")
-def alone() -> Comparison:
+def alone(few_settings: None) -> Comparison:
     return bench.compare(TWO_LINKS, QUICK, peers=())
 
 
@@ -87,8 +111,7 @@ def test_only_a_compiler_is_required(alone: Comparison) -> None:
         (),
     )
     names = {(entry.participant, entry.setting.name) for entry in alone.entries}
-    settings = {(KANEGEN, "exact"), (KANEGEN, "native"), (KANEGEN, "relaxed")}
-    assert names == settings | {(PYTHON, "exact")}
+    assert names == {(KANEGEN, one.name) for one in FEW} | {(PYTHON, "default")}
     for entry in alone.entries:
         assert entry.error < TOLERANCE
         assert len(entry.times.rounds) == QUICK.rounds
@@ -97,14 +120,14 @@ def test_only_a_compiler_is_required(alone: Comparison) -> None:
 
 def test_batches_are_timed_beside_single_states(alone: Comparison) -> None:
     for quantity in QUANTITIES:
-        one, many = (alone.best(KANEGEN, quantity, EXACT, batch) for batch in (False, True))
+        one, many = (alone.best(KANEGEN, quantity, DEFAULT, batch) for batch in (False, True))
         assert one is not None
         assert many is not None
         assert (one.task.batch, many.task.batch) == (False, True)
 
 
 def test_a_call_from_python_is_compared_with_the_same_c(alone: Comparison) -> None:
-    call, code = alone.best(PYTHON, EQUATIONS), alone.best(KANEGEN, EQUATIONS, EXACT)
+    call, code = alone.best(PYTHON, EQUATIONS), alone.best(KANEGEN, EQUATIONS, DEFAULT)
     assert call is not None
     assert code is not None
     assert alone.overhead(EQUATIONS) == call.median - code.median
@@ -273,12 +296,24 @@ def test_texts_of_ratios_and_reasons() -> None:
     assert table.overheads(comparison) == {}
 
 
-def test_the_record_holds_every_number(alone: Comparison) -> None:
-    facts = json.loads(json_record([alone], QUICK))
-    assert facts["terms"] == {"states": 40, "rounds": 2, "seconds": 0.0}
-    assert "numpy" in facts["machine"][-1]
-    (model,) = facts["outcomes"]
-    assert [len(entry["nanoseconds"]) for entry in model["entries"]] == [2] * len(alone.entries)
+def test_a_ratio_has_the_confidence_interval_of_its_rounds() -> None:
+    """Of nine ratios the second smallest and the second largest bound the median with 96 per cent."""
+    slow = replace(entry("slow", 1), times=Times(tuple(100.0 + k for k in range(9))))
+    fast = replace(entry("fast", 1), times=Times((10.0,) * 9))
+    assert table.ratio(fast, slow) == "1/10.4 (10.1-10.7)"
+    assert table.ratio(slow, fast) == "10.40 (10.10-10.70)"
+    assert table.ratio(slow, None) == "-"
+
+
+def test_settings_name_the_vector_instructions(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert Setting("native", (), "AVX-512").words == "native, AVX-512"
+    assert Setting("native, AVX2", (), "AVX2").words == "native, AVX2"
+    monkeypatch.setattr(settings_module, "widest", lambda: "AVX2")
+    assert here((DEFAULT, DEFAULT_AVX2, NATIVE_AVX2)) == [DEFAULT]
+    monkeypatch.setattr(settings_module, "widest", lambda: "AVX-512")
+    assert here((DEFAULT, DEFAULT_AVX2)) == [DEFAULT, DEFAULT_AVX2]
+    assert "-march=x86-64-v3" in DEFAULT_AVX2.flags
+    assert "-march=x86-64-v3" in NATIVE_AVX2.flags
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -286,15 +321,16 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(line, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.usefixtures("nothing_installed")
 def test_the_command(tmp_path: Path) -> None:
     model, out = tmp_path / "chain.toml", tmp_path / "out.json"
     TWO_LINKS.save(model)
-    options = ["--rounds", "1", "--seconds", "0", "--states", "3", "--peer", "pydy", "--json", str(out)]
-    done = command(str(model), *options)
-    assert done.returncode == 0, done.stderr
+    options = ["--rounds", "1", "--seconds", "0", "--states", "3", "--peer", "pydy", "--save", str(out)]
+    done = CliRunner().invoke(app, ["bench", str(model), *options])
+    assert done.exit_code == 0, done.output
     assert "chain: 2 freedoms, 3 random states, 1 x 0 s a task" in done.stdout
     assert "A call from Python takes beyond the C: A + f" in done.stdout
-    assert json.loads(out.read_text())["outcomes"][0]["standard"] == KANEGEN
+    assert json.loads(out.read_text())["comparisons"][0]["standard"] == KANEGEN
 
 
 @pytest.mark.parametrize(

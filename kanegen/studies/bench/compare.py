@@ -8,21 +8,29 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from kanegen.errors import MissingError, OptionError
+from kanegen.errors import MissingError, OptionError, counted
 from kanegen.measure.timing import Rounds, Times
 from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.reference.states import states_away_from_gimbal_lock
-from kanegen.studies.bench.comparison import Absence, BenchOptions, Comparison, Entry
+from kanegen.studies.bench.comparison import UNTIMED, Absence, BenchOptions, Comparison, Entry
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.registry import PEERS, participants
 from kanegen.studies.bench.results import Results, difference
+from kanegen.studies.bench.settings import AS_SHIPPED, DEFAULT, NATIVE
 from kanegen.studies.bench.states import limits_note, without_couplings, without_loads_and_parameters
+
+ON_ALL_CORES = (DEFAULT, NATIVE, AS_SHIPPED)
+"""The compiler settings of programs that are also timed on all cores."""
 
 
 def compare(
-    system: System, options: BenchOptions, progress: Progress = quiet, peers: Iterable[str] = PEERS
+    system: System,
+    options: BenchOptions,
+    progress: Progress = quiet,
+    peers: Iterable[str] = PEERS,
+    cores: int = 1,
 ) -> Comparison:
     """Time kanegen and its peers on `system`, in turns, after comparing their results.
 
@@ -32,6 +40,7 @@ def compare(
         options: Numbers of states and rounds, and the duration of each timing.
         progress: Function that receives the name of each stage.
         peers: Programs to time beside kanegen, names among `PEERS`.
+        cores: Number of cores on which programs also run at the same time; 1 for no such times.
 
     Raises:
         BuildError: If there is no C compiler.
@@ -54,6 +63,8 @@ def compare(
         present, absences = participants(model, states, Path(folder), peers)
         progress("comparing their results")
         entries, failed = evaluate(present, len(model.freedoms), options, progress)
+        if cores > 1:
+            entries += on_all_cores(present, entries, options, cores, progress)
     if not entries:
         raise MissingError("; ".join(f"{absence.name}: {absence.reason}" for absence in absences + failed))
     notes = (*left_out, *notes, *limits_note(model))
@@ -94,12 +105,50 @@ def evaluate(
     }
     agreeing = dict.fromkeys(participant for (participant, _), entry in entries.items() if entry.agrees)
     times = take_turns(agreeing, Rounds(options.rounds, options.seconds), progress)
-    timed = [replace(entry, times=times[key]) if entry.agrees else entry for key, entry in entries.items()]
+    timed = [
+        replace(entry, times=times.get(key, UNTIMED)) if entry.agrees else entry
+        for key, entry in entries.items()
+    ]
     return timed, absences
 
 
+def on_all_cores(
+    participants: Sequence[Participant],
+    entries: Sequence[Entry],
+    options: BenchOptions,
+    cores: int,
+    progress: Progress,
+) -> list[Entry]:
+    """Time programs that run once on every core at the same time.
+
+    Args:
+        participants: The programs, ready to run.
+        entries: Their entries on one core; a task whose results do not agree is left out.
+        options: Number of rounds and duration of each timing.
+        cores: Number of cores.
+        progress: Function that receives the name of each stage.
+    """
+    chosen = [
+        one
+        for one in participants
+        if one.setting in ON_ALL_CORES and any(_is_of(entry, one) and entry.times.rounds for entry in entries)
+    ]
+    times = take_turns(chosen, Rounds(options.rounds, options.seconds), progress, cores)
+    return [
+        replace(entry, times=times[one, entry.task.name], cores=cores)
+        for one in chosen
+        for entry in entries
+        if _is_of(entry, one) and entry.agrees
+    ]
+
+
+def _is_of(entry: Entry, participant: Participant) -> bool:
+    """Return whether an entry belongs to a participant."""
+    return (entry.participant, entry.setting) == (participant.name, participant.setting)
+
+
 def take_turns(
-    participants: Iterable[Participant], rounds: Rounds, progress: Progress
+    participants: Iterable[Participant], rounds: Rounds, progress: Progress, cores: int = 1
 ) -> dict[tuple[Participant, str], Times]:
     """Time all participants in rounds, in each of which every participant has one turn.
 
@@ -111,9 +160,9 @@ def take_turns(
     """
     times: defaultdict[tuple[Participant, str], list[float]] = defaultdict(list)
     for turn in range(rounds.number):
-        progress(f"timing, round {turn + 1} of {rounds.number}")
+        progress(f"timing on {counted(cores, 'core')}, round {turn + 1} of {rounds.number}")
         for participant in participants:
-            for name, value in participant.times(rounds.seconds).items():
+            for name, value in participant.times_together(rounds.seconds, cores).items():
                 times[participant, name].append(value)
     return {key: Times(tuple(values)) for key, values in times.items()}
 

@@ -1,19 +1,12 @@
-"""The result of a comparison on one model: times and differences of every program, as data and as JSON."""
+"""The result of a comparison on one model: times and differences of every program."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
-import numpy as np
-
-from kanegen import __version__
-from kanegen.measure.machine import Machine
 from kanegen.measure.timing import Times
-from kanegen.studies.bench.participant import EXACT, Setting
-from kanegen.studies.bench.results import TOLERANCE, Task
+from kanegen.studies.bench.results import Task
+from kanegen.studies.bench.settings import DEFAULT, Setting
 
 KANEGEN = "kanegen"
 """Name of the participant that is kanegen's C called from C."""
@@ -50,6 +43,7 @@ class Entry:
         task: The task that was timed.
         error: Largest difference from the standard, relative to the largest entry of the standard.
         times: Times of one evaluation; without rounds if the results do not agree.
+        cores: Number of cores that worked at the same time, each with a process of its own or a thread.
     """
 
     participant: str
@@ -57,6 +51,7 @@ class Entry:
     task: Task
     error: float
     times: Times = UNTIMED
+    cores: int = 1
 
     @property
     def median(self) -> float:
@@ -65,8 +60,8 @@ class Entry:
 
     @property
     def agrees(self) -> bool:
-        """Whether the results agree with the standard to `TOLERANCE`."""
-        return self.error <= TOLERANCE
+        """Whether the results agree with the standard to the tolerance of the task."""
+        return self.error <= self.task.tolerance
 
 
 @dataclass(frozen=True)
@@ -111,8 +106,19 @@ class Comparison:
         """Whether all results agree with the standard."""
         return all(entry.agrees for entry in self.entries)
 
+    @property
+    def participants(self) -> tuple[str, ...]:
+        """The names of all participants, in the order of the entries."""
+        return tuple(dict.fromkeys(entry.participant for entry in self.entries))
+
     def best(
-        self, participant: str, quantity: str, setting: Setting | None = None, batch: bool = False
+        self,
+        participant: str,
+        quantity: str,
+        setting: Setting | None = None,
+        batch: bool = False,
+        instructions: str | None = None,
+        cores: int = 1,
     ) -> Entry | None:
         """Find the fastest task of a participant that computes a quantity.
 
@@ -121,6 +127,8 @@ class Comparison:
             quantity: One of `quantities`.
             setting: Compiler setting; None allows every setting.
             batch: Whether the task computes many states in one call.
+            instructions: Vector instructions that the compiler setting allows; None allows all.
+            cores: Number of cores that work at the same time.
 
         Returns:
             The entry of the task; None if there is none that was timed.
@@ -129,48 +137,14 @@ class Comparison:
             entry
             for entry in self.entries
             if entry.times.rounds
-            and (entry.participant, entry.task.quantity, entry.task.batch) == (participant, quantity, batch)
+            and (entry.participant, entry.task.quantity) == (participant, quantity)
+            and (entry.task.batch, entry.cores) == (batch, cores)
             and setting in (None, entry.setting)
+            and instructions in (None, entry.setting.instructions)
         ]
         return min(timed, key=lambda entry: entry.median, default=None)
 
     def overhead(self, quantity: str) -> float | None:
         """Return the time (ns) by which a call from Python exceeds a call of the same C from C."""
-        call, own = self.best(PYTHON, quantity), self.best(KANEGEN, quantity, EXACT)
+        call, own = self.best(PYTHON, quantity), self.best(KANEGEN, quantity, DEFAULT)
         return None if call is None or own is None else call.median - own.median
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data for JSON."""
-        return {
-            "model": self.model,
-            "freedoms": self.n,
-            "standard": self.standard,
-            "notes": list(self.notes),
-            "left_out": [{"name": absence.name, "reason": absence.reason} for absence in self.absences],
-            "entries": [_entry_as_dict(entry) for entry in self.entries],
-        }
-
-
-def json_record(comparisons: Sequence[Comparison], options: BenchOptions) -> str:
-    """Return all numbers of some comparisons as JSON, with a description of the machine."""
-    record = {
-        "kanegen": __version__,
-        "machine": Machine.here().lines(),
-        "terms": asdict(options),
-        "outcomes": [comparison.as_dict() for comparison in comparisons],
-    }
-    return json.dumps(record, indent=2) + "\n"
-
-
-def _entry_as_dict(entry: Entry) -> dict[str, Any]:
-    """Return an entry as plain data for JSON."""
-    return {
-        "contestant": entry.participant,
-        "setting": entry.setting.name,
-        "flags": list(entry.setting.flags),
-        "task": entry.task.name,
-        "quantity": entry.task.quantity,
-        "batch": entry.task.batch,
-        "difference": entry.error if np.isfinite(entry.error) else None,
-        "nanoseconds": list(entry.times.rounds),
-    }

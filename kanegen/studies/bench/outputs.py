@@ -19,10 +19,11 @@ from kanegen.reference.states import states_away_from_gimbal_lock
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.compare import evaluate
 from kanegen.studies.bench.comparison import KANEGEN, Absence, BenchOptions, Comparison
-from kanegen.studies.bench.participant import NATIVE, Participant
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.pinocchio_peer import PINOCCHIO, participant_of_outputs
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.results import Task
+from kanegen.studies.bench.settings import NATIVE
 from kanegen.studies.bench.states import (
     limits_note,
     without_couplings,

@@ -1,52 +1,18 @@
-"""A program that takes part in a comparison, and the compiler settings of such programs."""
+"""A program that takes part in a comparison, ready to run."""
 
 from __future__ import annotations
 
 import shutil
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from kanegen.errors import MissingError
 from kanegen.library.native import commands
-from kanegen.options import STRICT
 from kanegen.studies.bench.results import Results, Task, read
-
-
-@dataclass(frozen=True)
-class Setting:
-    """Compiler flags and the name under which they are reported."""
-
-    name: str
-    flags: tuple[str, ...]
-
-
-EXACT = Setting("exact", STRICT.flags)
-"""The setting that kanegen uses by default."""
-
-NATIVE = Setting("native", ("-O3", "-march=native"))
-"""The setting of every program: code for this processor, which may fuse a product and a sum."""
-
-RELAXED = Setting(
-    "relaxed",
-    (
-        "-O3",
-        "-march=native",
-        "-ffp-contract=fast",
-        "-fno-math-errno",
-        "-fno-trapping-math",
-        "-fno-signed-zeros",
-        "-fassociative-math",
-    ),
-)
-"""The fastest setting that leaves the floating-point environment of the process alone, unlike -ffast-math."""
-
-AS_SHIPPED = Setting("as shipped", ("-O2",))
-"""The setting of drivers for a library that is installed in compiled form."""
-
-SETTINGS = (EXACT, NATIVE, RELAXED, AS_SHIPPED)
-"""All settings, in the order of the documentation."""
+from kanegen.studies.bench.settings import Setting
 
 
 @dataclass(frozen=True)
@@ -106,6 +72,19 @@ class Participant:
             printed = self._run(fresh, "times", repr(seconds), loads)
         pairs = (line.rsplit(" ", 1) for line in printed.splitlines())
         return {task: float(value) for task, value in pairs}
+
+    def times_together(self, seconds: float, processes: int) -> dict[str, float]:
+        """Time every task in several processes that run at the same time.
+
+        Returns:
+            Nanoseconds in which all processes together have computed one state more, by name of the task.
+
+        Raises:
+            MissingError: If the driver fails.
+        """
+        with ThreadPoolExecutor(processes) as pool:
+            found = list(pool.map(self.times, [seconds] * processes))
+        return {task: 1 / sum(1 / one[task] for one in found) for task in found[0]}
 
     def _run(self, driver: str, mode: str, last: str, loads: tuple[Path, ...]) -> str:
         """Run the driver and return its output."""

@@ -9,12 +9,12 @@ from typing import Any
 from kanegen.extras import module
 from kanegen.measure.svg import STYLE, svg_text
 from kanegen.studies.bench.comparison import KANEGEN, Comparison, Entry
-from kanegen.studies.bench.participant import NATIVE, Setting
 from kanegen.studies.bench.peers.casadi_peer import CASADI
 from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
 from kanegen.studies.bench.peers.pinocchio_peer import PINOCCHIO
 from kanegen.studies.bench.peers.pydy_peer import PYDY
 from kanegen.studies.bench.results import QUANTITIES
+from kanegen.studies.bench.settings import NATIVE, Setting
 from kanegen.studies.bench.table import TITLES, ratio
 
 _BAR = 0.8

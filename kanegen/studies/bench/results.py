@@ -22,8 +22,17 @@ DYNAMICS = "dynamics"
 DERIVATIVES = "derivatives"
 """The quantity of the derivatives of {ydot} by {x}, {y} and {tau}."""
 
-QUANTITIES = (EQUATIONS, DYNAMICS, DERIVATIVES)
+INVERSE_DERIVATIVES = "inverse derivatives"
+"""The quantity of the derivatives of inverse dynamics by {x}, {y} and {ydot}, of which the last is [A].
+
+What a state has as {tau} is {ydot} here.
+"""
+
+QUANTITIES = (EQUATIONS, DYNAMICS, DERIVATIVES, INVERSE_DERIVATIVES)
 """All quantities that are compared and timed."""
+
+BY_DIFFERENCES = 1e-3
+"""Largest difference between derivatives and differences of a peer that has no derivatives."""
 
 
 @dataclass(frozen=True)
@@ -35,24 +44,32 @@ class Task:
         quantity: One of `QUANTITIES`, or an output of kanegen.
         batch: Whether one call computes many states.
         shape: Rows and columns of the array of an output; None for `QUANTITIES`, whose shapes are known.
+        tolerance: Largest difference from the standard with which the results agree.
     """
 
     name: str
     quantity: str
     batch: bool = False
     shape: tuple[int, int] | None = None
+    tolerance: float = TOLERANCE
 
     def shape_for(self, n: int) -> tuple[int, int]:
         """Return the rows and columns of the result of one state, for n freedoms."""
-        of = {EQUATIONS: (n + 1, n), DYNAMICS: (1, n), DERIVATIVES: (3 * n, n)}
+        derivatives = (3 * n, n)
+        of = {
+            EQUATIONS: (n + 1, n),
+            DYNAMICS: (1, n),
+            DERIVATIVES: derivatives,
+            INVERSE_DERIVATIVES: derivatives,
+        }
         return self.shape or of[self.quantity]
 
 
 Results = dict[str, Floats]
 """Results of B states by name of the task.
 
-The shape is (B, n + 1, n) for [A] with {f} below it, (B, 1, n) for {ydot}, and (B, 3 n, n) for derivatives,
-(n, 3, n) for each state. Outputs of kanegen have the shapes of their tasks.
+The shape is (B, n + 1, n) for [A] with {f} below it, (B, 1, n) for {ydot}, and (B, 3 n, n) for both kinds of
+derivatives, (n, 3, n) for each state. Outputs of kanegen have the shapes of their tasks.
 """
 
 
@@ -79,7 +96,7 @@ def difference(ours: Floats, theirs: Floats, quantity: str) -> float:
     than a thousandth of [A], since otherwise its rounding errors would count where it vanishes.
     """
     n = ours.shape[2]
-    if quantity == DERIVATIVES:
+    if quantity in (DERIVATIVES, INVERSE_DERIVATIVES):
         mine, right = (values.reshape(-1, n, 3, n) for values in (ours, theirs))
         return max(_relative(mine[:, :, k], right[:, :, k], _size(right[:, :, k])) for k in range(3))
     if quantity != EQUATIONS:

@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
-from kanegen.studies.bench.comparison import Comparison, Entry
-from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, QUANTITIES
+import math
 
-TITLES = {EQUATIONS: "A + f", DYNAMICS: "forward dynamics", DERIVATIVES: "its derivatives"}
+from kanegen.measure.timing import speedup
+from kanegen.studies.bench.against import Row
+from kanegen.studies.bench.comparison import Comparison, Entry
+from kanegen.studies.bench.results import (
+    BY_DIFFERENCES,
+    DERIVATIVES,
+    DYNAMICS,
+    EQUATIONS,
+    INVERSE_DERIVATIVES,
+    QUANTITIES,
+)
+
+TITLES = {
+    EQUATIONS: "A + f",
+    DYNAMICS: "forward dynamics",
+    DERIVATIVES: "derivatives of forward dynamics",
+    INVERSE_DERIVATIVES: "derivatives of inverse dynamics",
+}
 """Titles of the tables by quantity; an output of kanegen has its name as title."""
 
 _METHODS = {"aba": "aba", "cholesky": "Cholesky"}
@@ -60,21 +76,59 @@ def ns(value: float | None) -> str:
 
 
 def ratio(part: Entry | None, whole: Entry | None) -> str:
-    """Format the time of `part` over that of `whole`; a ratio r below 1 becomes 1/(1/r), such as 1/8.0."""
+    """Format the median ratio of the rounds of `part` to those of `whole`, with its confidence interval.
+
+    A ratio r below 1 becomes 1/(1/r) and the interval that of 1/r, as in "1/8.0 (7.8-8.1)". With too few
+    rounds for an interval there is none.
+    """
     if part is None or whole is None:
         return "-"
-    if whole.median > part.median:
-        return f"1/{whole.median / part.median:.1f}"
-    return f"{part.median / whole.median:.2f}"
+    found = speedup(whole.times, part.times)
+    if found.median > 1:
+        text, low, high, digits = f"1/{found.median:.1f}", found.low, found.high, 1
+    else:
+        text, digits = f"{1 / found.median:.2f}", 2
+        low, high = 1 / found.high, 1 / found.low if found.low else math.inf
+    return f"{text} ({low:.{digits}f}-{high:.{digits}f})" if math.isfinite(high) else text
+
+
+def heads_of_changes() -> list[str]:
+    """Return the heads of the columns of a table of changes."""
+    return ["model", "quantity", "method", "compiler", "compared", "before", "now", "change", ""]
+
+
+def row_of_change(row: Row) -> list[str]:
+    """Return the row of one task in two runs."""
+    entry, found = row.entry, row.change
+    known = math.isfinite(found.high)
+    word = "slower" if found.is_slower else "faster" if found.is_faster else ""
+    return [
+        row.model,
+        TITLES.get(entry.task.quantity, entry.task.quantity),
+        _method(entry),
+        f"{entry.participant}, {entry.setting.words}",
+        f"over {row.peer}" if row.peer else "ns",
+        *(f"{value:.4f}" if row.peer else ns(value) for value in (row.before, row.now)),
+        f"{found.median:.3f} ({found.low:.3f}-{found.high:.3f})" if known else f"{found.median:.3f}",
+        word,
+    ]
+
+
+def _method(entry: Entry) -> str:
+    """Return how a task computes: in batches, by differences, by which algorithm, on how many cores."""
+    parts = [_METHODS.get(entry.task.name, "")]
+    parts += ["batch"] * entry.task.batch
+    parts += ["differences"] * (entry.task.tolerance >= BY_DIFFERENCES)
+    parts += [f"{entry.cores} cores"] * (entry.cores > 1)
+    return ", ".join(filter(None, parts))
 
 
 def _row(comparison: Comparison, entry: Entry) -> list[str]:
     """Return the row of one task."""
     task = entry.task
-    method = "batch" if task.batch else _METHODS.get(task.name, "")
-    row = [entry.participant, method, entry.setting.name]
+    row = [entry.participant, _method(entry), entry.setting.words]
     if not entry.times.rounds:
         return [*row, "not timed", "", "", f"{entry.error:.0e}"]
     spread = f"{ns(entry.times.least)}-{ns(entry.times.largest)}"
-    share = ratio(entry, comparison.best(comparison.standard, task.quantity))
+    share = ratio(entry, comparison.best(comparison.standard, task.quantity, cores=entry.cores))
     return [*row, ns(entry.median), spread, share, f"{entry.error:.0e}"]

@@ -25,8 +25,9 @@ from kanegen.options import Progress, quiet
 from kanegen.reference.kinematics import BodyKinematics, kinematics
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.compare import take_turns
-from kanegen.studies.bench.participant import Participant, Setting
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.results import DYNAMICS, Task
+from kanegen.studies.bench.settings import Setting
 from kanegen.studies.bench.states import without_loads_and_parameters, write_states
 from kanegen.studies.tradeoff import EXTRA
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants

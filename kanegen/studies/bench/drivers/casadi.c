@@ -1,4 +1,5 @@
-/* Driver of the functions `equations`, `dynamics` and `derivatives` that CasADi wrote. */
+/* Driver of the functions `equations` and `dynamics` that CasADi wrote, and with -DDERIVATIVES of `derivatives` and
+ * `inverse_derivatives`. */
 #include "driver.h"
 
 #include <stdlib.h>
@@ -8,8 +9,9 @@ Function equations, dynamics;
 int equations_work(long long *arguments, long long *results, long long *integers, long long *work);
 int dynamics_work(long long *arguments, long long *results, long long *integers, long long *work);
 #ifdef DERIVATIVES
-Function derivatives;
+Function derivatives, inverse_derivatives;
 int derivatives_work(long long *arguments, long long *results, long long *integers, long long *work);
+int inverse_derivatives_work(long long *arguments, long long *results, long long *integers, long long *work);
 #endif
 
 typedef struct {
@@ -24,7 +26,7 @@ static double *A, *f, *ydot;
 static Room of_equations, of_dynamics;
 #ifdef DERIVATIVES
 static double *jacobian;
-static Room of_derivatives;
+static Room of_derivatives, of_inverse;
 #endif
 
 static Room room(int (*sizes)(long long *, long long *, long long *, long long *))
@@ -65,6 +67,11 @@ static void run_derivatives(size_t state)
     run(derivatives, of_derivatives, state, jacobian);
 }
 
+static void run_inverse_derivatives(size_t state)
+{
+    run(inverse_derivatives, of_inverse, state, jacobian);
+}
+
 static void give_derivatives(size_t state, double *values)
 {
     (void)state;
@@ -99,6 +106,7 @@ void driver_setup(const States *states, int argc, char **argv)
 #ifdef DERIVATIVES
     jacobian = aligned_numbers(3 * pool.n * pool.n);
     of_derivatives = room(derivatives_work);
+    of_inverse = room(inverse_derivatives_work);
 #endif
 }
 
@@ -109,12 +117,13 @@ size_t driver_tasks(const Task **tasks)
         {"dynamics", run_dynamics, give_dynamics, 0, 1},
 #ifdef DERIVATIVES
         {"derivatives", run_derivatives, give_derivatives, 0, 1},
+        {"inverse derivatives", run_inverse_derivatives, give_derivatives, 0, 1},
 #endif
     };
     every[0].size = pool.n * pool.n + pool.n;
     every[1].size = pool.n;
 #ifdef DERIVATIVES
-    every[2].size = 3 * pool.n * pool.n;
+    every[2].size = every[3].size = 3 * pool.n * pool.n;
 #endif
     *tasks = every;
     return sizeof every / sizeof *every;

@@ -1,4 +1,5 @@
-/* Driver of kanegen's C for a model without loads and parameters; compile with -DMODEL=<name of the model>. */
+/* Driver of kanegen's C for a model without loads and parameters; compile with -DMODEL=<name of the model>, and for
+ * derivatives with -DINVERSE=<name of the model of those of inverse dynamics>. */
 #include "driver.h"
 
 #include <stdlib.h>
@@ -12,10 +13,15 @@ void FUNCTION(evaluate_batch)(size_t count, const double *x, const double *y, do
 int FUNCTION(forward_dynamics)(const double *x, const double *y, const double *tau, double *ydot);
 size_t FUNCTION(forward_dynamics_batch)(
     size_t count, const double *x, const double *y, const double *tau, double *ydot);
-#ifdef DERIVATIVES
+#ifdef INVERSE
 int FUNCTION(forward_dynamics_derivatives)(const double *x, const double *y, const double *tau, double *values);
 size_t FUNCTION(forward_dynamics_derivatives_batch)(
     size_t count, const double *x, const double *y, const double *tau, double *values);
+
+/* [A] with the derivatives of inverse dynamics by x and y; what drivers call tau is ydot. */
+void NAMED(INVERSE, evaluate)(const double *x, const double *y, const double *ydot, double *A, double *values);
+void NAMED(INVERSE, evaluate_batch)(
+    size_t count, const double *x, const double *y, const double *ydot, double *A, double *values);
 #endif
 
 /* Number of states of a batch. The next batch overwrites the results, as in a program that works block by block. */
@@ -53,7 +59,7 @@ static void dynamics_batch(size_t state)
     FUNCTION(forward_dynamics_batch)(block(first), pool.x + row, pool.y + row, pool.tau + row, ydot);
 }
 
-#ifdef DERIVATIVES
+#ifdef INVERSE
 static double *jacobians; /* of BLOCK states */
 
 static void derivatives(size_t state)
@@ -67,6 +73,18 @@ static void derivatives_batch(size_t state)
     const size_t first = state - state % BLOCK, row = first * pool.n;
     FUNCTION(forward_dynamics_derivatives_batch)
     (block(first), pool.x + row, pool.y + row, pool.tau + row, jacobians);
+}
+
+static void inverse_derivatives(size_t state)
+{
+    const size_t row = state * pool.n;
+    NAMED(INVERSE, evaluate)(pool.x + row, pool.y + row, pool.tau + row, A, jacobians);
+}
+
+static void inverse_derivatives_batch(size_t state)
+{
+    const size_t first = state - state % BLOCK, row = first * pool.n;
+    NAMED(INVERSE, evaluate_batch)(block(first), pool.x + row, pool.y + row, pool.tau + row, A, jacobians);
 }
 #endif
 
@@ -99,7 +117,7 @@ static void give_dynamics_batch(size_t state, double *values)
     copied(values, ydot + state % BLOCK * pool.n, pool.n);
 }
 
-#ifdef DERIVATIVES
+#ifdef INVERSE
 static void give_derivatives(size_t state, double *values)
 {
     (void)state;
@@ -111,6 +129,21 @@ static void give_derivatives_batch(size_t state, double *values)
     const size_t size = 3 * pool.n * pool.n;
     copied(values, jacobians + state % BLOCK * size, size);
 }
+
+static void give_inverse_derivatives_batch(size_t state, double *values)
+{
+    const size_t n = pool.n, at = state % BLOCK;
+    for (size_t i = 0; i < n; i++) {
+        values = copied(values, jacobians + (at * n + i) * 2 * n, 2 * n);
+        values = copied(values, A + (at * n + i) * n, n);
+    }
+}
+
+static void give_inverse_derivatives(size_t state, double *values)
+{
+    (void)state;
+    give_inverse_derivatives_batch(0, values);
+}
 #endif
 
 void driver_setup(const States *states, int argc, char **argv)
@@ -121,7 +154,7 @@ void driver_setup(const States *states, int argc, char **argv)
     A = aligned_numbers(BLOCK * pool.n * pool.n);
     f = aligned_numbers(BLOCK * pool.n);
     ydot = aligned_numbers(BLOCK * pool.n);
-#ifdef DERIVATIVES
+#ifdef INVERSE
     jacobians = aligned_numbers(BLOCK * 3 * pool.n * pool.n);
 #endif
 }
@@ -133,15 +166,17 @@ size_t driver_tasks(const Task **tasks)
         {"dynamics", dynamics, give_dynamics, 0, 1},
         {"equations batch", equations_batch, give_equations_batch, 0, BLOCK},
         {"dynamics batch", dynamics_batch, give_dynamics_batch, 0, BLOCK},
-#ifdef DERIVATIVES
+#ifdef INVERSE
         {"derivatives", derivatives, give_derivatives, 0, 1},
         {"derivatives batch", derivatives_batch, give_derivatives_batch, 0, BLOCK},
+        {"inverse derivatives", inverse_derivatives, give_inverse_derivatives, 0, 1},
+        {"inverse derivatives batch", inverse_derivatives_batch, give_inverse_derivatives_batch, 0, BLOCK},
 #endif
     };
     every[0].size = every[2].size = pool.n * pool.n + pool.n;
     every[1].size = every[3].size = pool.n;
-#ifdef DERIVATIVES
-    every[4].size = every[5].size = 3 * pool.n * pool.n;
+#ifdef INVERSE
+    for (size_t i = 4; i < sizeof every / sizeof *every; i++) every[i].size = 3 * pool.n * pool.n;
 #endif
     *tasks = every;
     return sizeof every / sizeof *every;

@@ -4,6 +4,7 @@
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/cholesky.hpp>
 #include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 
 #include "pinocchio_model.h"
@@ -63,6 +64,25 @@ static void give_derivatives(std::size_t, double *values)
         }
 }
 
+// tau of a state is its acceleration here.
+static void inverse_derivatives(std::size_t state)
+{
+    pin::computeRNEADerivatives(model, *data, q[state], v[state], tau[state]);
+}
+
+// Copy the derivatives by x, y and the acceleration, of which the last is [A] and has only its upper half.
+static void give_inverse_derivatives(std::size_t, double *values)
+{
+    const int n = model.nv;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double *row = values + place[i] * 3 * n;
+            row[place[j]] = data->dtau_dq(i, j);
+            row[n + place[j]] = data->dtau_dv(i, j);
+            row[2 * n + place[j]] = data->M(std::min(i, j), std::max(i, j));
+        }
+}
+
 static std::vector<Task> tasks;
 
 void driver_setup(const States *states, int argc, char **argv)
@@ -74,7 +94,10 @@ void driver_setup(const States *states, int argc, char **argv)
     tasks = {{"equations", equations, give_equations, n * n + n, 1},
              {"aba", aba, give_acceleration, n, 1},
              {"cholesky", cholesky, give_acceleration, n, 1}};
-    if (argc > 1) tasks.push_back({"derivatives", derivatives, give_derivatives, 3 * n * n, 1});
+    if (argc > 1) {
+        tasks.push_back({"derivatives", derivatives, give_derivatives, 3 * n * n, 1});
+        tasks.push_back({"inverse derivatives", inverse_derivatives, give_inverse_derivatives, 3 * n * n, 1});
+    }
 }
 
 std::size_t driver_tasks(const Task **result)

@@ -21,7 +21,7 @@ def code(system: System, derives: bool = False) -> dict[str, str]:
 
     Args:
         system: The model.
-        derives: Whether to generate the C of the derivatives of {ydot}, too.
+        derives: Whether to generate the C of the derivatives of forward and inverse dynamics, too.
 
     Returns:
         Texts by name of the file.
@@ -35,13 +35,17 @@ def code(system: System, derives: bool = False) -> dict[str, str]:
     dynamics = [casadi.Function("dynamics", [x, y, tau], [casadi.densify(method)]) for method in methods]
     functions = [equations, _cheapest(dynamics)]
     if derives:
-        inputs = casadi.vertcat(x, y, tau)
-        # CasADi stores columns; results are row-major.
-        jacobians = [casadi.densify(casadi.jacobian(method, inputs)).T for method in methods]
-        functions.append(
-            _cheapest([casadi.Function("derivatives", [x, y, tau], [jacobian]) for jacobian in jacobians])
-        )
+        inputs = [x, y, tau]
+        functions.append(_cheapest([_jacobian("derivatives", method, inputs) for method in methods]))
+        loads = inverse_dynamics(tree, gravity, y, tau)
+        functions.append(_jacobian("inverse_derivatives", loads, inputs))
     return {f"{function.name()}.c": _text(function) for function in functions}
+
+
+def _jacobian(name: str, values: SX, inputs: list[SX]) -> casadi.Function:
+    """Return the function of the derivatives of values, row by row; CasADi stores columns."""
+    jacobian = casadi.jacobian(values, casadi.vertcat(*inputs))
+    return casadi.Function(name, inputs, [casadi.densify(jacobian).T])
 
 
 def _cheapest(functions: list[casadi.Function]) -> casadi.Function:
@@ -63,15 +67,21 @@ Composite = tuple[SX, SX, SX]
 
 def forcing(tree: Tree, gravity: Floats, y: SX) -> SX:
     """Return {f}, minus the generalized forces of inverse dynamics without acceleration."""
+    return -inverse_dynamics(tree, gravity, y, SX(len(tree), 1))
+
+
+def inverse_dynamics(tree: Tree, gravity: Floats, y: SX, ydot: SX) -> SX:
+    """Return the generalized forces that accelerations require, by the recursion of Newton and Euler."""
     ground = Motion(SX(3, 1), SX(3, 1), SX(-gravity))
     motions: list[Motion] = []
     for at in tree:
-        motions.append(at.outward(motions[at.parent - 1] if at.parent else ground, y[at.column]))
+        moved = at.outward(motions[at.parent - 1] if at.parent else ground, y[at.column])
+        motions.append(at.accelerated(moved, ydot[at.column]))
     loads = [_load(at, motion) for at, motion in zip(tree, motions, strict=True)]
     result = SX(len(tree), 1)
     for i in reversed(range(len(tree))):
         at, (moment, force) = tree[i], loads[i]
-        result[at.column] = -at.own(moment, force)
+        result[at.column] = at.own(moment, force) + at.armature * ydot[at.column]
         if at.parent:
             lower, carried = loads[at.parent - 1], at.inward(moment, force)
             loads[at.parent - 1] = (lower[0] + carried[0], lower[1] + carried[1])

@@ -64,6 +64,13 @@ class Moved:
             return Motion(velocity + own, rate + casadi.cross(velocity, own), acceleration)
         return Motion(velocity, rate, acceleration + 2 * casadi.cross(velocity, own))
 
+    def accelerated(self, motion: Motion, value: SX) -> Motion:
+        """Return a motion beyond the joint to which an acceleration of its freedom is added."""
+        own = self.axis * value
+        if self.angle:
+            return Motion(motion.velocity, motion.rate + own, motion.acceleration)
+        return Motion(motion.velocity, motion.rate, motion.acceleration + own)
+
 
 @dataclass(frozen=True)
 class Motion:

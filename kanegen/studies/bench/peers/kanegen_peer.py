@@ -1,4 +1,4 @@
-"""The participant kanegen: its C in three compiler settings, and its functions called from Python."""
+"""The participant kanegen: its C in several compiler settings, and its functions called from Python."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import functools
 import pickle
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 
 from kanegen import compiler
 from kanegen.c import Source
@@ -14,13 +15,25 @@ from kanegen.library.native.build import code
 from kanegen.recursion.outputs import EQUATIONS as BOTH
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON
-from kanegen.studies.bench.participant import EXACT, NATIVE, RELAXED, Participant, Setting
-from kanegen.studies.bench.peers.problem import DERIVATIVES_TASK, SINGLE_STATE_TASKS, Builders, Problem
+from kanegen.studies.bench.participant import Participant
+from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, SINGLE_STATE_TASKS, Builders, Problem
 from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, Task
+from kanegen.studies.bench.settings import (
+    DEFAULT,
+    DEFAULT_AVX2,
+    NATIVE,
+    NATIVE_AVX2,
+    PORTABLE,
+    Setting,
+    here,
+)
 
-BATCH_TASKS = (Task("equations batch", EQUATIONS, batch=True), Task("dynamics batch", DYNAMICS, batch=True))
-DERIVATIVES_BATCH_TASK = Task("derivatives batch", DERIVATIVES, batch=True)
 OUTPUTS = {EQUATIONS: BOTH, DYNAMICS: ("forward_dynamics",)}
+SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2)
+"""The compiler settings in which kanegen's C is timed, as far as the processor has them."""
+
+_INVERSE = "inverse"
+"""End of the name of the model whose C has [A] and the derivatives of inverse dynamics."""
 
 
 def builders(problem: Problem) -> Builders:
@@ -28,9 +41,13 @@ def builders(problem: Problem) -> Builders:
     sources = {quantity: compiler.generate(problem.system, outputs) for quantity, outputs in OUTPUTS.items()}
     files = _files(sources)
     if problem.has_derivatives:
-        derived = compiler.generate(problem.system, ("forward_dynamics_derivatives",))
-        files |= _files({DERIVATIVES: derived})
-    for setting in (EXACT, NATIVE, RELAXED):
+        inverse = replace(problem.system, name=f"{problem.system.name}_{_INVERSE}")
+        derived = {
+            DERIVATIVES: compiler.generate(problem.system, ("forward_dynamics_derivatives",)),
+            _INVERSE: compiler.generate(inverse, ("mass_matrix", "inverse_dynamics_derivatives")),
+        }
+        files |= _files(derived)
+    for setting in here(SETTINGS):
         yield f"{KANEGEN} {setting.name}", functools.partial(_participant, problem, files, setting)
     yield PYTHON, functools.partial(_from_python, problem, sources)
 
@@ -45,12 +62,17 @@ def _files(sources: Mapping[str, Source]) -> dict[str, str]:
 def _participant(problem: Problem, files: Mapping[str, str], setting: Setting) -> list[Participant]:
     """Return the participant of one compiler setting."""
     flags = [*setting.flags, f"-DMODEL={problem.system.identifier}"]
-    tasks = [*SINGLE_STATE_TASKS, *BATCH_TASKS]
+    tasks = [*SINGLE_STATE_TASKS, *map(_in_batches, SINGLE_STATE_TASKS)]
     if problem.has_derivatives:
-        flags.append("-DDERIVATIVES")
-        tasks += [DERIVATIVES_TASK, DERIVATIVES_BATCH_TASK]
+        flags.append(f"-DINVERSE={problem.system.identifier}_{_INVERSE}")
+        tasks += [both for task in DERIVATIVES_TASKS for both in (task, _in_batches(task))]
     program = compiled(KANEGEN, {"kanegen.c": driver("kanegen.c"), **files}, flags)
     return [Participant(KANEGEN, setting, (str(program),), problem.states_file, tuple(tasks))]
+
+
+def _in_batches(task: Task) -> Task:
+    """Return the task that computes the same quantity of many states in one call."""
+    return Task(f"{task.name} batch", task.quantity, batch=True)
 
 
 def _from_python(problem: Problem, sources: Mapping[str, Source]) -> list[Participant]:
@@ -58,4 +80,4 @@ def _from_python(problem: Problem, sources: Mapping[str, Source]) -> list[Partic
     path = problem.folder / "libraries"
     path.write_bytes(pickle.dumps({quantity: load(source) for quantity, source in sources.items()}))
     command = (sys.executable, "-m", "kanegen.studies.bench.python_driver")
-    return [Participant(PYTHON, EXACT, command, problem.states_file, SINGLE_STATE_TASKS, (str(path),))]
+    return [Participant(PYTHON, DEFAULT, command, problem.states_file, SINGLE_STATE_TASKS, (str(path),))]

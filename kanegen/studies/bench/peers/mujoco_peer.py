@@ -20,9 +20,10 @@ from kanegen.extras import require
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.participant import AS_SHIPPED, Participant
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.joints import HERE, KINDS, Joint, Placement, single_joints
 from kanegen.studies.bench.peers.problem import SINGLE_STATE_TASKS, Builders, Problem
+from kanegen.studies.bench.settings import AS_SHIPPED
 
 MUJOCO = "MuJoCo"
 """Name of the participant."""

@@ -12,11 +12,12 @@ from kanegen.extras import headers
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.participant import NATIVE, Participant
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.free_flyer import FreeFlyer
 from kanegen.studies.bench.peers.joints import Joint, floating_joints, joints
-from kanegen.studies.bench.peers.problem import DERIVATIVES_TASK, Builders, Problem
+from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, Builders, Problem
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, Task
+from kanegen.studies.bench.settings import NATIVE, NATIVE_AVX2, Setting, here
 from kanegen.studies.bench.states import write_states
 
 PINOCCHIO = "Pinocchio"
@@ -38,6 +39,10 @@ BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by defa
 """Compiler flags without which Pinocchio's headers do not compile."""
 
 
+_SETTINGS = (NATIVE, NATIVE_AVX2)
+"""The compiler settings in which Pinocchio is timed."""
+
+
 def builders(problem: Problem) -> Builders:
     """Yield the builder in kanegen's coordinates and, if a body has six freedoms, that with free-flyers."""
     yield PINOCCHIO, functools.partial(_with_same_coordinates, problem)
@@ -50,8 +55,13 @@ def _with_same_coordinates(problem: Problem) -> list[Participant]:
     arguments = [problem.write("joints", joint_table(problem.system, joints(problem.system)))]
     tasks: tuple[Task, ...] = TASKS
     if problem.has_derivatives:
-        arguments, tasks = [*arguments, "derivatives"], (*tasks, DERIVATIVES_TASK)
-    return [Participant(PINOCCHIO, NATIVE, (str(_program()),), problem.states_file, tasks, tuple(arguments))]
+        arguments, tasks = [*arguments, "derivatives"], (*tasks, *DERIVATIVES_TASKS)
+    return [
+        Participant(
+            PINOCCHIO, setting, (str(_program(setting)),), problem.states_file, tasks, tuple(arguments)
+        )
+        for setting in here(_SETTINGS)
+    ]
 
 
 def _with_free_flyers(problem: Problem) -> list[Participant]:
@@ -61,7 +71,10 @@ def _with_free_flyers(problem: Problem) -> list[Participant]:
     table = problem.write("free-flyer-joints", joint_table(problem.system, tree))
     states = write_states(way.states(problem.states), problem.folder / "free-flyer-states")
     convert = functools.partial(way.results, states=problem.states)
-    return [Participant(FREE_FLYER, NATIVE, (str(_program()),), states, TASKS, (table,), convert)]
+    return [
+        Participant(FREE_FLYER, setting, (str(_program(setting)),), states, TASKS, (table,), convert)
+        for setting in here(_SETTINGS)
+    ]
 
 
 def participant_of_outputs(problem: Problem, tasks: Sequence[Task], body: int) -> Participant:
@@ -85,15 +98,15 @@ def participant_of_outputs(problem: Problem, tasks: Sequence[Task], body: int) -
         str(body),
         *names,
     )
-    command = (str(_program("pinocchio_outputs.cpp")),)
+    command = (str(_program(NATIVE, "pinocchio_outputs.cpp")),)
     return Participant(PINOCCHIO, NATIVE, command, problem.states_file, tuple(tasks), arguments)
 
 
-def _program(name: str = "pinocchio.cpp") -> Path:
+def _program(setting: Setting, name: str = "pinocchio.cpp") -> Path:
     """Compile a driver, which takes minutes the first time, and return its path."""
     include = headers("libpinocchio", "pinocchio/algorithm/aba.hpp")
     eigen = headers("cmeel-eigen", "eigen3/Eigen/Core") / "eigen3"
-    flags = (*BOOST, *NATIVE.flags, f"-I{include}", f"-I{eigen}")
+    flags = (*BOOST, *setting.flags, f"-I{include}", f"-I{eigen}")
     files = {file: driver(file) for file in ("pinocchio_model.h", name)}
     return compiled(name.removesuffix(".cpp"), files, flags)
 

@@ -9,15 +9,18 @@ from pathlib import Path
 from kanegen.model.system import System
 from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.participant import Participant
-from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, Task
+from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, INVERSE_DERIVATIVES, Task
 
 SINGLE_STATE_TASKS = (Task("equations", EQUATIONS), Task("dynamics", DYNAMICS))
 """The tasks of [A] and {f} and of {ydot}, one state in each call."""
 
-DERIVATIVES_TASK = Task("derivatives", DERIVATIVES)
-"""The task of the derivatives of {ydot} by {x}, {y} and {tau}, one state in each call."""
+DERIVATIVES_TASKS = (
+    Task("derivatives", DERIVATIVES),
+    Task("inverse derivatives", INVERSE_DERIVATIVES),
+)
+"""The tasks of the derivatives of forward and of inverse dynamics, one state in each call."""
 
-MOST_DERIVATIVE_FREEDOMS = 20
+MOST_DERIVATIVE_FREEDOMS = 48
 """Largest number of freedoms for which derivatives are compared; larger ones take long to compile."""
 
 Builders = Iterator[tuple[str, Callable[[], list[Participant]]]]
@@ -48,7 +51,7 @@ class Problem:
     @property
     def single_state_tasks(self) -> tuple[Task, ...]:
         """The tasks that compute one state in each call."""
-        return (*SINGLE_STATE_TASKS, DERIVATIVES_TASK) if self.has_derivatives else SINGLE_STATE_TASKS
+        return (*SINGLE_STATE_TASKS, *DERIVATIVES_TASKS) if self.has_derivatives else SINGLE_STATE_TASKS
 
     def write(self, name: str, text: str) -> str:
         """Write `text` into a new file of the folder and return its path."""

@@ -9,8 +9,9 @@ from kanegen.errors import MissingError
 from kanegen.extras import require
 from kanegen.library.native import commands
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.participant import NATIVE, Participant
+from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.problem import SINGLE_STATE_TASKS, Builders, Problem
+from kanegen.studies.bench.settings import NATIVE
 
 PYDY = "SymPy + PyDy"
 """Name of the participant."""
