@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+INSTALL ?= $(BIN)/python -m pip install --quiet
 MODEL := models/eight_body.toml
 EXAMPLES := $(notdir $(basename $(wildcard examples/*.py)))
 NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
@@ -37,7 +38,7 @@ embed-%: $(VENV)/.tests
 
 # Run the examples of control loops and rewrite their pictures in docs/examples.
 examples: $(VENV)/.tests
-	$(BIN)/python -m pip install --quiet --editable .[jax]
+	$(INSTALL) --editable .[jax]
 	for name in $(EXAMPLES); do SOURCE_DATE_EPOCH=0 $(BIN)/python examples/$$name.py docs/examples/$$name.svg || exit; done
 
 # Time calls through each of these programs beside the C alone, and rewrite docs/embedding/call-times.md.
@@ -122,17 +123,17 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable .
+	$(INSTALL) --editable .
 	touch $@
 
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	$(INSTALL) --editable ".[test]"
 	touch $@ $(VENV)/.kanegen
 
 $(VENV)/.docs: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[docs]"
+	$(INSTALL) --editable ".[docs]"
 	touch $@ $(VENV)/.kanegen
 
 $(VENV)/.bench: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[bench]"
+	$(INSTALL) --editable ".[bench]"
 	touch $@ $(VENV)/.kanegen
