@@ -111,7 +111,7 @@ class C99:
             [one.step for one in render_input.rollouts],
         )
         variables |= {
-            "choices": _choices(render_input, printed),
+            "choices": printed_choices(render_input, printed),
             "functions": printed,
             "rollouts": rollouts,
             "steps": [*steps, *rollouts],
@@ -185,7 +185,7 @@ def _finite_tests(render_input: RenderInput) -> list[FiniteTest]:
     return [FiniteTest(finite_test(one), one.c_type, SIMD.get(one)) for one in precisions]
 
 
-def _choices(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:
+def printed_choices(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:
     """Return the name of every choice that shaped the code, with the value and its reason."""
     solved = [
         OUTPUTS[name] for name in prerequisites([name for name in render_input.outputs if name in OUTPUTS])

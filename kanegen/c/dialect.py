@@ -13,7 +13,7 @@ from typing import Any
 from kanegen.c.expression import Expression, Notation, converted, literal, notation
 from kanegen.c.formats import Formats, uniform
 from kanegen.c.usage import NO_NAMES, Run, element
-from kanegen.program.ir import CHOICES, TRANSCENDENTAL, Array, Op
+from kanegen.program.ir import CHOICES, TRANSCENDENTAL, WORKSPACE, Array, Op
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
 
 FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT, Op.ABS)
@@ -119,6 +119,31 @@ class Dialect:
     def ignored(self, name: str) -> str:
         """Return the statement that marks an unused argument."""
         return f"(void){name};"
+
+    def workspace(self, size: int) -> list[str]:
+        """Return the declaration of the array in which parts of a function leave values for later parts."""
+        return [f"    {self.number} {WORKSPACE}[{size}];"]
+
+    def argument(self, array: str, is_common: bool, is_read: bool) -> str:
+        """Return the declaration of an array that a part of a function takes.
+
+        Args:
+            array: Name of the array.
+            is_common: Whether all states have the array in common.
+            is_read: Whether the part reads the array, or else fills it.
+        """
+        kind = self.formats.of(array).c_type if self.is_scalar or is_common else self.number
+        return f"{'const ' * is_read}{kind} *{array}"
+
+    def part(self, name: str, may_fail: bool, arrays: Sequence[str]) -> str:
+        """Return the beginning of the definition of a part of a function, up to its arguments.
+
+        Args:
+            name: Name of the part.
+            may_fail: Whether it returns a status.
+            arrays: Names of the arrays that it takes.
+        """
+        return f"static NOINLINE {self.status if may_fail else 'void'} {name}"
 
     def function(self, op: Op, everywhere: bool) -> str:
         """Return the name of the function for `op`.

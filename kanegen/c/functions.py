@@ -29,7 +29,7 @@ from kanegen.c.layout import BREAK, wrap
 from kanegen.c.simd import SIMD
 from kanegen.c.target import RenderInput, Target
 from kanegen.c.vector_sincos import vector_sincos
-from kanegen.program.ir import WORKSPACE, Op, Program
+from kanegen.program.ir import Op, Program
 from kanegen.program.precision import DOUBLE_DOUBLE, Precision
 
 
@@ -208,7 +208,7 @@ def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect
     read = {array.name for part in programs for array in part.inputs}
     lines = [f"    {dialect.ignored(array.name)}" for array in function.inputs if array.name not in read]
     if function.workspace:
-        lines.append(f"    {dialect.number} {WORKSPACE}[{function.workspace}];")
+        lines += dialect.workspace(function.workspace)
     if flushes:
         lines.append("    const arithmetic_mode before = flush_to_zero();")
     return lines
@@ -272,21 +272,21 @@ class _Part:
         outputs = self.program.outputs
         filled = [output.array.name for output in outputs if output.values or self.dialect.is_scalar]
         read = [array.name for array in self.program.inputs if array.name not in filled]
-        arguments = {name: f"const {self._declared(name)}" for name in read}
-        arguments |= {name: self._declared(name) for name in filled}
+        arguments = {name: self._declared(name, is_read=True) for name in read}
+        arguments |= {name: self._declared(name, is_read=False) for name in filled}
         if any(output.accurate_if_positive for output in outputs) and not self.dialect.is_scalar:
             arguments["accurate"] = "simd_bits *accurate"
         return arguments
 
-    def _declared(self, name: str) -> str:
-        is_number = self.dialect.is_scalar or name in self.shared
-        return f"{self.dialect.formats.of(name).c_type if is_number else self.dialect.number} *{name}"
+    def _declared(self, name: str, *, is_read: bool) -> str:
+        return self.dialect.argument(name, name in self.shared, is_read)
 
     @property
     def prototype(self) -> list[str]:
         """The lines of the prototype."""
-        head = f"static NOINLINE {self.dialect.status if self._may_fail else 'void'} {self.name}"
-        return wrap(f"{head}({f',{BREAK}'.join(self._arguments.values())})", indent="", hanging="    ")
+        arguments = self._arguments
+        head = self.dialect.part(self.name, self._may_fail, [*arguments])
+        return wrap(f"{head}({f',{BREAK}'.join(arguments.values())})", indent="", hanging="    ")
 
     def call(self) -> list[str]:
         """Return the lines of the call; the status of the last part is kept."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from kanegen.c.c99 import C99_TARGET
+from kanegen.c.cuda import CUDA_TARGET
 from kanegen.c.description import ModelDescription
 from kanegen.c.formats import require_range
 from kanegen.c.provenance import with_provenance
@@ -19,7 +20,7 @@ from kanegen.program.ir import EVALUATE, Module
 from kanegen.program.split import select_functions
 from kanegen.recursion.outputs import INTEGRATORS, differentiates
 
-TARGETS: dict[str, Target] = {target.name: target for target in (C99_TARGET,)}
+TARGETS: dict[str, Target] = {target.name: target for target in (C99_TARGET, CUDA_TARGET)}
 """The targets that users can name."""
 
 

@@ -52,12 +52,13 @@ from kanegen.cli.options import (
     Sincos,
     Speeds,
     Storage,
+    Target,
     Tier,
     Without,
 )
 from kanegen.cli.targets import chosen_targets
 from kanegen.cli.terminal import progress, screen
-from kanegen.errors import counted
+from kanegen.errors import OptionError, counted
 from kanegen.extras import require
 from kanegen.studies.tradeoff import EXTRA, NEEDS
 
@@ -82,6 +83,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
             help="Name of the system, by default that of MODEL; files begin with it.",
         ),
     ] = None,
+    target: Target = "c99",
     for_: For = None,
     platform: Platforms = None,
     function: Functions = None,
@@ -124,6 +126,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
+    With --target cuda it is CUDA C++ for GPUs: device functions, kernels, and functions that launch them.
     With --for, files for other languages and programs are added, such as `--for cpp,rust`. Files of an
     earlier call for the same model that this one does not make are removed, unless they were edited.
 
@@ -136,6 +139,10 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     from kanegen.c import folder
 
     keeps_budget = has_budget(context)
+    if keeps_budget and target != "c99":
+        raise OptionError(
+            f"--target {target}: a budget is kept by measured C. Leave out the one or the other."
+        )
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
@@ -162,6 +169,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 functions=function,
                 parameters_by_state=parameters_by_state,
                 batches=not no_batches,
+                target=target,
                 mass_matrix=mass_matrix,
             )
     files: dict[str, str | bytes] = {**source.files, **products.compiled_files(source, compiled, platforms)}

@@ -105,6 +105,18 @@ For = Annotated[
         show_default=False,
     ),
 ]
+LANGUAGES = ("c99", "cuda")
+"""Names of the targets, the languages of the code."""
+
+Target = Annotated[
+    str,
+    typer.Option(
+        "--target",
+        metavar="NAME",
+        help=f"Language of the code: {', '.join(LANGUAGES)}. cuda writes kernels for GPUs, with a thread for "
+        "each state.",
+    ),
+]
 PLATFORM_NAMES = (
     "x86_64-linux",
     "aarch64-linux",

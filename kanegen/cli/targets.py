@@ -43,6 +43,9 @@ OTHER_NAMES = {
 """Targets by other names of theirs, for which messages propose the right one."""
 
 HINTS = {
+    "cuda": "Code for GPUs is written with --target cuda.",
+    "gpu": "Code for GPUs is written with --target cuda.",
+    "nvidia": "Code for GPUs is written with --target cuda.",
     "c": "The C is written without --for; 'description' adds names, units and structures to it.",
     "fmi": "Did you mean 'fmi2' or 'fmi3'?",
     "fmu": "Did you mean 'fmi2' or 'fmi3'?",

@@ -48,9 +48,9 @@ KEYWORDS = frozenset(
 FILES_OF_C = frozenset(
     """
     assert complex ctype errno features fenv float inttypes iso646 kanegen_double_double
-    kanegen_elementary kanegen_elementary_dd kanegen_elementaryf kanegen_elementaryl kanegen_simd
-    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched
-    setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
+    kanegen_device kanegen_elementary kanegen_elementary_dd kanegen_elementaryf kanegen_elementaryl
+    kanegen_simd kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory
+    pthread sched setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
     stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
     """.split()
 )

@@ -1,0 +1,112 @@
+"""NVRTC, NVIDIA's compiler of CUDA C++ as a library, from the package nvidia-cuda-nvrtc-cu12."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import util
+from pathlib import Path
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """Return the loaded library.
+
+    Raises:
+        FileNotFoundError: If the package is not installed.
+    """
+    found = util.find_spec("nvidia")
+    for folder in found.submodule_search_locations or [] if found else []:
+        for path in sorted(Path(folder).glob("cuda_nvrtc/lib/libnvrtc.so*")):
+            return ctypes.CDLL(str(path))
+    raise FileNotFoundError("NVRTC is not installed: pip install nvidia-cuda-nvrtc-cu12")
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What one kernel takes of a multiprocessor, for each thread.
+
+    Attributes:
+        registers: Registers of 32 bits.
+        stack: Bytes of local memory.
+        stores: Bytes that are stored in local memory because there are too few registers.
+        loads: Bytes that are loaded from there.
+    """
+
+    registers: int
+    stack: int
+    stores: int
+    loads: int
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """What the compiler made of a program.
+
+    Attributes:
+        log: All that it says.
+        cubin: The code for the architecture; PTX where the architecture is a virtual one.
+    """
+
+    log: str
+    cubin: bytes
+
+    @property
+    def messages(self) -> str:
+        """Warnings and errors: the log without the resources of kernels, which -v prints."""
+        lines = self.log.strip("\0\n").splitlines()
+        return "\n".join(line for line in lines if not re.match(r"ptxas +(info|\.) |\s*$", line))
+
+    @property
+    def usage(self) -> dict[str, Usage]:
+        """The resources of every kernel, by its name."""
+        found = re.findall(
+            r"Function properties for (\w+)\nptxas +\. +(\d+) bytes stack frame, (\d+) bytes spill stores, "
+            r"(\d+) bytes spill loads\n.*?Used (\d+) registers",
+            self.log,
+        )
+        return {
+            name: Usage(int(registers), int(stack), int(stores), int(loads))
+            for name, stack, stores, loads, registers in found
+        }
+
+
+def compile_cuda(files: Mapping[str, str], name: str, architecture: str, *options: str) -> Compiled:
+    """Compile the file `name` among `files` for an architecture such as "sm_80".
+
+    Raises:
+        ValueError: If the compiler refuses the program; the message is its log.
+    """
+    nvrtc = _library()
+    headers = {one: text for one, text in files.items() if one != name}
+    texts = (ctypes.c_char_p * len(headers))(*(text.encode() for text in headers.values()))
+    names = (ctypes.c_char_p * len(headers))(*(one.encode() for one in headers))
+    program = ctypes.c_void_p()
+    given = (files[name].encode(), name.encode(), len(headers), texts, names)
+    _require(nvrtc.nvrtcCreateProgram(ctypes.byref(program), *given))
+    flags = [f"--gpu-architecture={architecture}", *options]
+    result = nvrtc.nvrtcCompileProgram(
+        program, len(flags), (ctypes.c_char_p * len(flags))(*(flag.encode() for flag in flags))
+    )
+    log = _read(nvrtc, "ProgramLog", program).decode()
+    if result:
+        raise ValueError(log)
+    compiled = Compiled(log, _read(nvrtc, "CUBIN" if architecture.startswith("sm") else "PTX", program))
+    nvrtc.nvrtcDestroyProgram(ctypes.byref(program))
+    return compiled
+
+
+def _read(nvrtc: ctypes.CDLL, what: str, program: ctypes.c_void_p) -> bytes:
+    size = ctypes.c_size_t()
+    _require(getattr(nvrtc, f"nvrtcGet{what}Size")(program, ctypes.byref(size)))
+    text = ctypes.create_string_buffer(size.value)
+    _require(getattr(nvrtc, f"nvrtcGet{what}")(program, text))
+    return text.raw
+
+
+def _require(result: int) -> None:
+    if result:
+        raise RuntimeError(f"NVRTC returns {result}")
