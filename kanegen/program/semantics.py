@@ -25,6 +25,9 @@ FLUSH = "flush-to-zero"
 FINITE = "finite"
 """The compiler may assume that no number is infinite or NaN."""
 
+OWN_ROUNDING = "products rounded by themselves"
+"""The property that a product is rounded before it is added."""
+
 _SUBNORMALS = "subnormal numbers"
 _ZEROS = "signs of zeros"
 _SUMS = "order of sums"
@@ -45,7 +48,7 @@ class Relaxation:
 
 SEMANTICS = {
     STRICT: Relaxation(),
-    CONTRACTED: Relaxation(("-ffp-contract=fast",), frozenset({"products rounded by themselves"})),
+    CONTRACTED: Relaxation(("-ffp-contract=fast",), frozenset({OWN_ROUNDING})),
     "reciprocal": Relaxation(("-freciprocal-math",), frozenset({"rounding of quotients"})),
     "no-signed-zeros": Relaxation(("-fno-signed-zeros",), frozenset({_ZEROS})),
     "no-traps": Relaxation(("-fno-trapping-math",)),
@@ -67,7 +70,7 @@ PROPERTIES = (
     "not a number",
     _SUBNORMALS,
     _ZEROS,
-    "products rounded by themselves",
+    OWN_ROUNDING,
     _SUMS,
     "rounding of quotients",
     "rounding of roots",

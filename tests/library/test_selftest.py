@@ -1,14 +1,17 @@
 """Floating-point arithmetic of compilers: found out by the self-test, required, and kept off the process."""
 
+import platform
 import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.artifacts.selftest import selftest_text
 from kanegen.errors import BuildError, OptionError
 from kanegen.library import load
 from kanegen.library.native import cache, compilers, selftest
@@ -34,19 +37,23 @@ def test_without_optimisation_everything_is_properties(command):
     assert properties(command, "-O0 -ffp-contract=off") == EVERYTHING
 
 
+def kept(command, variant):
+    """Return the properties that a compiler keeps with the flags that are sound for a variant."""
+    found = compilers.find(command)
+    return selftest.properties(found, selftest.sound_flags(found, replace(source(), variant=variant)))
+
+
 @pytest.mark.parametrize("command", COMPILERS)
 @pytest.mark.parametrize("level", semantics.OPTIMISATIONS)
 def test_strict_flags_keep_what_is_promised(command, level):
-    flags = Variant(optimisation=level, machine="native").flags
-    assert set(semantics.PROPERTIES) <= selftest.properties(compilers.find(command), flags)
+    assert set(semantics.PROPERTIES) <= kept(command, Variant(optimisation=level, machine="native"))
 
 
 @pytest.mark.parametrize("command", COMPILERS)
 @pytest.mark.parametrize("name", semantics.SEMANTICS)
 def test_semantics_give_up_no_more_than_they_say(command, name):
     variant = Variant(semantics=name, machine="native", optimisation=3)
-    found = selftest.properties(compilers.find(command), variant.flags)
-    assert set(semantics.guaranteed_properties(variant.semantics)) <= found
+    assert set(semantics.guaranteed_properties(variant.semantics)) <= kept(command, variant)
 
 
 @pytest.mark.parametrize(
@@ -55,7 +62,7 @@ def test_semantics_give_up_no_more_than_they_say(command, name):
         ("-O2 -ffinite-math-only", "not a number"),
         ("-O2 -fassociative-math -fno-signed-zeros -fno-trapping-math", "order of sums"),
         ("-O2 -fno-signed-zeros", "signs of zeros"),
-        ("-O2 -mfma -ffp-contract=fast", "products rounded by themselves"),
+        ("-O2 -mfma -ffp-contract=fast", semantics.OWN_ROUNDING),
         (FAST, "subnormal numbers"),
         (FAST, "rounding of quotients"),
     ],
@@ -67,6 +74,31 @@ def test_the_program_sees_what_flags_do(flags, lost):
 def test_the_remedy_for_dropped_rounding_brings_it_back():
     remedy = selftest.REMEDIES[semantics.NARROWING]
     assert semantics.NARROWING in properties("gcc", shlex.join(("-O2", *remedy)))
+
+
+FUSING = "-O2 -march=x86-64-v3 -ffp-contract=off"
+"""Flags with which gcc 12.1 and 12.2 fuse alternating sums and differences all the same."""
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="the instructions are those of x86-64")
+def test_the_remedy_for_products_that_are_fused_unasked_keeps_them_apart(tmp_path):
+    remedy = selftest.REMEDIES[semantics.OWN_ROUNDING]
+    (tmp_path / "selftest.c").write_text(selftest_text())
+    command = ["gcc", "-std=c99", *shlex.split(FUSING), *remedy, "-S", "-o", "-", "selftest.c"]
+    text = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert "mulpd" in text or "mulsd" in text
+    assert "vfm" not in text
+
+
+@pytest.mark.parametrize("machine", ["auto", "native"])
+def test_the_remedy_is_used_where_products_are_fused_unasked(monkeypatch, machine):
+    def fusing(compiler, flags):
+        is_fused = "-march=native" in flags and "-fno-tree-slp-vectorize" not in flags
+        return EVERYTHING - ({semantics.OWN_ROUNDING} if is_fused else set())
+
+    monkeypatch.setattr(selftest, "properties", fusing)
+    made = replace(source(), variant=Variant(machine=machine))
+    assert selftest.sound_flags(compilers.find(), made)[-1] == "-fno-tree-slp-vectorize"
 
 
 def test_the_remedy_is_used_where_doubles_become_floats(monkeypatch):

@@ -1,7 +1,8 @@
 """The test of a compiler's floating-point arithmetic with some flags, by a small program that is run.
 
-Some compilers drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), compile tests for
-NaN away, or switch subnormal numbers off. A library is built only where every property that its variant
+Some compilers drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), fuse products and sums
+that stand side by side although they are told not to (gcc 12.2 where the processor can), compile tests for NaN
+away, or switch subnormal numbers off. A library is built only where every property that its variant
 promises holds.
 """
 
@@ -16,9 +17,9 @@ from kanegen.artifacts.selftest import selftest_text
 from kanegen.c import Source
 from kanegen.errors import BuildError
 from kanegen.library.native import cache, commands, compilers, processor
-from kanegen.program.semantics import NARROWING, guaranteed_properties
+from kanegen.program.semantics import NARROWING, OWN_ROUNDING, guaranteed_properties
 
-REMEDIES: dict[str, tuple[str, ...]] = {NARROWING: ("-fno-tree-slp-vectorize",)}
+REMEDIES: dict[str, tuple[str, ...]] = dict.fromkeys((NARROWING, OWN_ROUNDING), ("-fno-tree-slp-vectorize",))
 """Compiler flags that restore a property of arithmetic, by property."""
 
 _PROGRAM = "selftest"
@@ -45,7 +46,7 @@ def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]
     if any("(float)" in text for file, text in source.code.items() if file.endswith(".c")):
         wanted.add(NARROWING)
     missing = wanted - properties(compiler, flags)
-    remedies = tuple(flag for name in sorted(missing) for flag in REMEDIES.get(name, ()))
+    remedies = tuple(dict.fromkeys(flag for name in sorted(missing) for flag in REMEDIES.get(name, ())))
     if remedies:
         flags += remedies
         missing = wanted - properties(compiler, flags)
