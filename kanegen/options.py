@@ -54,9 +54,10 @@ class Variant:
             operations for the same results.
         semantics: Changes of arithmetic that the C compiler is allowed, of `semantics.SEMANTICS`.
         machine: Processors that the code runs on, one of `MACHINES`. "portable" code runs on all of the
-            architecture, "native" code on those like this one. With "auto" generated code is portable; a
-            library that is built and loaded here is native if the semantics are strict, which give the same
-            bits.
+            architecture, "native" code on those like this one. "multiversioned" code runs on all of the
+            architecture, too; on x86-64 it holds each function for SSE2, AVX2 and AVX-512, and runs the
+            widest that the processor has. With "auto" generated code is portable; a library that is built
+            and loaded here is native if the semantics are strict, which give the same bits.
         optimisation: Level of the C compiler, one of `semantics.OPTIMISATIONS`.
         sincos: Sine and cosine, one of `SINCOS`.
         refinement: Steps of iterative refinement in forward dynamics, one of `REFINEMENTS`.
@@ -91,6 +92,7 @@ class Variant:
         object.__setattr__(self, "without", passes.checked_names(self.without))
         object.__setattr__(self, "semantics", rules.checked_semantics(self.semantics))
         self._require_properties()
+        self._require_versions()
 
     def _require_properties(self) -> None:
         """Check that the semantics keep the properties of arithmetic that the precision relies on."""
@@ -111,6 +113,26 @@ class Variant:
                 f"sincos {self.sincos!r} does not go with precision {self.precision!r}, "
                 f"which takes {' or '.join(known)}."
             )
+
+    def _require_versions(self) -> None:
+        """Check that all versions of multiversioned code can compute the same bits, in vectors."""
+        if not self.is_multiversioned:
+            return
+        if not self.is_strict:
+            raise OptionError(
+                f"machine {self.machine!r} needs strict semantics: with {', '.join(self.semantics)} the "
+                "results would depend on the processor. Leave them out, or take machine 'portable'."
+            )
+        if self.precision not in (precisions.DOUBLE.name, precisions.FLOAT.name):
+            raise OptionError(
+                f"machine {self.machine!r} does not go with precision {self.precision!r}, for which there "
+                "are no vectors. Take 'double' or 'float', or machine 'portable'."
+            )
+
+    @property
+    def is_multiversioned(self) -> bool:
+        """Whether the code holds each function for several instruction sets."""
+        return self.machine == rules.MULTIVERSIONED
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -167,6 +189,7 @@ def chosen_variant(
     without: Iterable[str] | None = None,
     storage: str | None = None,
     sincos: str | None = None,
+    machine: str | None = None,
 ) -> Variant:
     """Return a variant with some choices changed.
 
@@ -176,6 +199,7 @@ def chosen_variant(
         without: Other passes to leave out.
         storage: Another type of the arrays.
         sincos: Other sines and cosines.
+        machine: Other processors that the code runs on.
 
     Raises:
         OptionError: If there is no such tier or choice.
@@ -189,6 +213,8 @@ def chosen_variant(
         tier = replace(tier, storage=storage)
     if sincos is not None:
         tier = replace(tier, sincos=sincos)
+    if machine is not None:
+        tier = replace(tier, machine=machine)
     if without is not None:
         tier = replace(tier, without=passes.checked_names(without))
     return tier

@@ -6,7 +6,7 @@ arrays of another precision than the arithmetic, and batches in SIMD vectors whe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import usage
@@ -24,6 +24,7 @@ from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.c.vector_sincos import FEW
+from kanegen.c.versions import VERSIONS, Dispatched, defined_names, macros_of_width
 from kanegen.errors import ModelError
 from kanegen.model.names import FILES_OF_C
 from kanegen.options import STRICT
@@ -41,6 +42,9 @@ FILES = {
     "kanegen_double_double.h": "kanegen_double_double.h",
 }
 """Template of every file of code by the name of the file; {f} is the suffix of the precision, "" or "f"."""
+
+VERSION_FILES = {"{name}.c": "{name}_version.h", "{name}_batch.c": "{name}_batch_version.h"}
+"""The file with the functions, by that of the file that includes it for several instruction sets."""
 
 _NEEDED = {
     "model_batch.c": "has_batches",
@@ -94,6 +98,8 @@ class C99:
             if template not in _NEEDED or variables[_NEEDED[template]]
         }
         files |= _elementary_headers(variables["functions"])
+        if render_input.variant.is_multiversioned:
+            files |= _versions(files, variables)
         types = double_double.declared if double_double else ""
         return Printed(files, types + variables["declarations"], variables["footprints"])
 
@@ -127,6 +133,40 @@ class C99:
             "batch_headers": _header_names(function.simd_code for function in printed),
         }
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
+
+
+def _versions(files: Mapping[str, str], variables: Context) -> dict[str, str]:
+    """Return the files of a model whose functions are compiled for several instruction sets.
+
+    Args:
+        files: The files for one instruction set, of which the headers stay.
+        variables: The variables of all templates.
+    """
+    found = {"kanegen_versions.h": fill("c99/kanegen_versions.h", versions=VERSIONS)}
+    headers = [text for file, text in files.items() if file.startswith("kanegen_")]
+    for patterns in VERSION_FILES.items():
+        file, version_file = (pattern.format(name=variables["model"].name) for pattern in patterns)
+        if file in files:
+            of_file = variables | {
+                "batch": file.endswith("_batch.c"),
+                "version_file": version_file,
+                "own": defined_names([*headers, files[file]]),
+                "macros": macros_of_width(headers),
+                "dispatched": _dispatched(variables, file),
+                "versions": VERSIONS,
+            }
+            found[file] = fill("c99/versions.c", **of_file)
+            found[version_file] = fill("c99/version.h", **of_file)
+    return found
+
+
+def _dispatched(variables: Context, file: str) -> list[Dispatched]:
+    """Return the functions of a file that users call."""
+    every: list[PrintedFunction | PrintedRollout] = [*variables["functions"], *variables["rollouts"]]
+    if not file.endswith("_batch.c"):
+        return [Dispatched.of(one.name, one.prototype) for one in every]
+    batches = [one for one in every if one.signature.has_batch]
+    return [Dispatched.of(f"{one.name}_batch", one.batch_prototype) for one in batches]
 
 
 def _text_of_steps(steps: Sequence[PrintedFunction], rollouts: Sequence[PrintedRollout]) -> str:

@@ -106,6 +106,7 @@ def _arithmetic(
         "flags": variant.flags,
         "flushes": variant.flushes,
         "is_strict": variant.is_strict,
+        "is_multiversioned": variant.is_multiversioned,
         "arithmetic": _wrapped(_about_arithmetic(model_formats, bool(model.parameters))),
         "sines": _wrapped(_about_sines(sincos, model_formats.arithmetic, has_batches)),
     }

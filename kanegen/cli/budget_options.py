@@ -117,6 +117,7 @@ EXCLUDED = (
     "without",
     "storage",
     "sincos",
+    "machine",
     "output",
     "frames",
     "reactions",

@@ -38,6 +38,7 @@ from kanegen.cli.options import (
     JointDynamics,
     Loads,
     Lock,
+    Machine,
     MassMatrix,
     Model,
     NoBatches,
@@ -102,6 +103,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     precision: Precision = None,
     storage: Storage = None,
     sincos: Sincos = None,
+    machine: Machine = None,
     tier: Tier = "strict",
     # From here to seed: the options of a budget, which are read from the context by their names.
     error: ErrorBudget = None,
@@ -155,7 +157,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     else:
         with progress() as report:
             variant = options.chosen_variant(
-                tier, precision=precision, without=without, storage=storage, sincos=sincos
+                tier, precision=precision, without=without, storage=storage, sincos=sincos, machine=machine
             )
             variant = artifacts.variant_with(asked, variant, precision=precision)
             source = compiler.generate(

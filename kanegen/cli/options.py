@@ -235,6 +235,16 @@ Sincos = Annotated[
         help="Implementation of sine and cosine: shared, libm, or polynomial-5 to polynomial-15.",
     ),
 ]
+Machine = Annotated[
+    str | None,
+    typer.Option(
+        "--machine",
+        metavar="NAME",
+        help="Processors that the C is for: portable, all of the architecture; multiversioned, all of it, by "
+        "versions of every function for SSE2, AVX2 and AVX-512, of which a program runs the widest it can; "
+        "native, those like this one, with flags in the build files.",
+    ),
+]
 Tier = Annotated[
     str,
     typer.Option(

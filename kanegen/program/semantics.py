@@ -84,7 +84,10 @@ NARROWING = "rounding to float"
 RELAXED = (CONTRACTED, "reciprocal", "no-signed-zeros", "no-traps", "no-errno")
 """The relaxations that leave NaN, infinity and the order of sums as they are."""
 
-MACHINES: dict[str, tuple[str, ...]] = {"portable": (), "native": ("-march=native",)}
+MULTIVERSIONED = "multiversioned"
+"""Code for all of the architecture that uses what a processor has beyond it, in versions of its functions."""
+
+MACHINES: dict[str, tuple[str, ...]] = {"portable": (), MULTIVERSIONED: (), "native": ("-march=native",)}
 """Flags for the machines on which the code may run: all of the architecture, or those like this one."""
 
 OPTIMISATIONS = (0, 1, 2, 3)

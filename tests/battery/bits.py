@@ -36,7 +36,7 @@ def printed(source: Source, state: State, command: str, flags: str = "", emulato
         state: States in the type of the arrays.
         command: Command of the compiler.
         flags: Compiler flags beside `STRICT`.
-        emulator: Program that runs what the compiler makes; "" where none is needed.
+        emulator: Program that runs what the compiler makes, with its options; "" where none is needed.
 
     Raises:
         CommandError: If the compiler or the program fails.
@@ -57,7 +57,7 @@ def printed(source: Source, state: State, command: str, flags: str = "", emulato
         sources = [file for file in files if file.endswith(".c")]
         options = ["-std=c99", STRICT, *flags.split(), *definitions, *sources, "-o", "bits", "-lm"]
         commands.make([*shlex.split(command), *options], "bits", Path(folder))
-        run = [*([emulator] if emulator else []), "./bits", str(len(state[0]))]
+        run = [*emulator.split(), "./bits", str(len(state[0]))]
         return commands.output(run, Path(folder))
 
 

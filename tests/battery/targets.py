@@ -79,6 +79,8 @@ TARGETS = (
 VARIANTS = {
     "double": kg.Variant(),
     "float": kg.Variant(precision="float"),
+    "multiversioned": kg.Variant(machine="multiversioned"),
+    "multiversioned float": kg.Variant(precision="float", machine="multiversioned"),
     "double stored as float": kg.Variant(storage="float"),
     "polynomials of degree 7": kg.Variant(sincos="polynomial-7"),
     "factorisation refined twice": kg.Variant(solver="factorisation", refinement=2),

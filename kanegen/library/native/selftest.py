@@ -1,8 +1,8 @@
 """The test of a compiler's floating-point arithmetic with some flags, by a small program that is run.
 
-Some compilers drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), fuse products and sums
-that stand side by side although they are told not to (gcc 12.2 where the processor can), compile tests for NaN
-away, or switch subnormal numbers off. A library is built only where every property that its variant
+Some compilers drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), fuse products and
+sums that stand side by side although they are told not to (gcc 12.2 where the processor can), compile tests
+for NaN away, or switch subnormal numbers off. A library is built only where every property that its variant
 promises holds.
 """
 
