@@ -6,16 +6,19 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from kanegen.errors import StatusError
 from kanegen.library import Library
-from kanegen.model.arguments import Floats, LoadInputs
+from kanegen.model.arguments import Floats
 from kanegen.recursion.outputs.integrators import ROLLOUT
 from kanegen.simulation.integration import Step
 from kanegen.simulation.motion import Motion
-from kanegen.simulation.stretches import Marks, Stretch, steps_between
+from kanegen.simulation.sampled_inputs import StepInputs
+from kanegen.simulation.stretches import Flags, Marks, Stretch, steps_between
+from kanegen.simulation.work import do_work, work_of_steps
 
 IN_C = {
     "RK4": "rk4",
@@ -38,15 +41,15 @@ _ALIKE = 8
 
 
 def why_not_in_c(method: str, motion: Motion) -> str:
-    """Return why the rollouts of a library do not compute a motion, in a sentence; "" if they do.
-
-    The work of what acts from outside is integrated in NumPy alone.
-    """
+    """Return why the rollouts of a library do not compute a motion, in a sentence; "" if they do."""
     function = f"{ROLLOUT}{IN_C.get(method)}"
     if function not in motion.library.source.integrators:
         return f"Build the library with the output {function!r}."
-    if not motion.inputs.are_absent:
-        return "It runs in C, where no inputs act; give forces that act always to the model, as drives."
+    if motion.inputs.depend_on_state:
+        return (
+            "It runs in C, where inputs depend on the time alone. Give forces that depend on the state to "
+            "the model, as drives."
+        )
     return ""
 
 
@@ -55,7 +58,7 @@ class CompiledSteps:
     """Steps of fixed length in C: each interval between two marks is cut into equal steps.
 
     Attributes:
-        motion: Right side of the equations of motion, on which nothing acts from outside.
+        motion: Right side of the equations of motion, on which nothing acts that depends on the state.
         method: One of `IN_C`.
         one_step: The same step in NumPy, which says what fails where a step fails; None where there is none.
         step: Largest step, s.
@@ -71,8 +74,10 @@ class CompiledSteps:
     def stretches(self, start: Floats, marks: Marks, every: bool) -> Iterator[Stretch]:
         """Yield the motion from a first state, see `Integrator`."""
         state = start
-        for first, last, count in _alike(marks, self.step):
-            stored = 1 if every else count
+        inputs = self.motion.inputs
+        jumps = np.empty(0) if inputs.are_held else inputs.jumps
+        for first, last, count in _alike(marks, self.step, np.isin(marks.times, jumps)):
+            stored = 1 if every or self._does_work else count
             at_once = max(1, _LONGEST // count)
             for left in range(first, last, at_once):
                 right = min(left + at_once, last)
@@ -133,7 +138,9 @@ class CompiledSteps:
         """
         motion, layout = self.motion, self.motion.state
         motion.evaluations += _STAGES.get(self.method, 1) * steps
-        inputs: LoadInputs = {"t": time} if "t" in motion.library.further_inputs else {}
+        acting = StepInputs.of(motion.inputs, time, steps, length)
+        given: dict[str, Any] = {"t": time} if "t" in motion.library.further_inputs else {}
+        given |= {name: rows.astype(state.dtype) for name, rows in acting.rows.items()}
         found = (library or motion.library.with_on_status("ignore")).rollout(
             layout.x(state),
             layout.y(state),
@@ -141,14 +148,23 @@ class CompiledSteps:
             step=length,
             every=every,
             method=IN_C[self.method],
+            hold=acting.hold,
             compensated=self.compensated,
-            **inputs,
+            **{name: rows[None] if state.ndim > 1 and name != "t" else rows for name, rows in given.items()},
         )
         x, y = found.x, found.y
         if state.ndim > 1:
             x, y = np.moveaxis(x, 1, 0), np.moveaxis(y, 1, 0)
-        whole: Floats = layout.join(x, y, np.zeros(y.shape[:-1], y.dtype))
-        return whole, int(np.min(found.made))
+        work = np.broadcast_to(state[..., -1], y.shape[:-1]).copy()
+        if self._does_work:
+            times = time + length * np.arange(len(x), dtype=np.float64)
+            work[1:] += np.cumsum(work_of_steps(motion.library, x, y, times, acting, length), axis=0)
+        return layout.join(x, y, work), int(np.min(found.made))
+
+    @property
+    def _does_work(self) -> bool:
+        """Whether there is work to count, for which the states after all steps are needed."""
+        return self.motion.counts_work and do_work(self.motion.library, self.motion.inputs.arguments_given)
 
     def _explain(self, states: Floats, times: Floats, made: int, length: float, rows: int) -> None:
         """Say why a step fails or may be inaccurate, by the same steps in NumPy, or in C one by one.
@@ -159,6 +175,7 @@ class CompiledSteps:
         row = made // rows
         time, state = float(times[row]), states[row]
         for _ in range(made - row * rows + 1):
+            self.motion.interval = time, time + length
             if self.one_step is None:
                 state = self._reported_step(time, length, state)
             else:
@@ -182,13 +199,19 @@ class CompiledSteps:
         return last
 
 
-def _alike(marks: Marks, step: float) -> Iterator[tuple[int, int, int]]:
-    """Yield first and last mark of intervals of one length, and the number of steps of each of them."""
+def _alike(marks: Marks, step: float, jumps: Flags) -> Iterator[tuple[int, int, int]]:
+    """Yield first and last mark of intervals of one length, and the number of steps of each of them.
+
+    Args:
+        marks: Times at which steps end.
+        step: Largest step, s.
+        jumps: (M,) whether an input jumps at a mark, at which intervals then end.
+    """
     first = 0
     times = marks.times.tolist()
     for k, (begin, end) in enumerate(pairwise(times)):
         change = (end - begin) - (times[first + 1] - times[first])
-        if abs(change) > _ALIKE * math.ulp(max(abs(times[first]), abs(end))):
+        if (k > first and jumps[k]) or abs(change) > _ALIKE * math.ulp(max(abs(times[first]), abs(end))):
             yield first, k, steps_between(times[first], times[first + 1], step)
             first = k
     yield first, len(times) - 1, steps_between(times[first], times[first + 1], step)

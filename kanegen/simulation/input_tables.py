@@ -55,6 +55,20 @@ class InputTable:
         row = max(int(np.searchsorted(self.times, middle, "right")) - 1, 0)
         return float(self.values[row, column])
 
+    def over(self, column: int, times: Floats, inside: Floats) -> Floats:
+        """Return the values of a column at (K,) times (s).
+
+        Args:
+            column: Number of the column.
+            times: The times.
+            inside: (K,) times (s) between which and `times` nothing jumps, but for at `times` themselves.
+        """
+        if self.hold == "linear":
+            return np.interp(times, self.times, self.values[:, column])
+        rows = np.maximum(np.searchsorted(self.times, inside, "right") - 1, 0)
+        found: Floats = self.values[rows, column]
+        return found
+
     def require_span(self, begin: float, end: float) -> None:
         """Make sure that there are values from a first time to a last one (s).
 

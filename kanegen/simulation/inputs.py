@@ -17,9 +17,9 @@ from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
 from kanegen.model.components import AXES
 from kanegen.simulation.input_tables import InputTable, read_table
-from kanegen.simulation.signals import Signal, state_variables
+from kanegen.simulation.signals import Signal, TimeFunction, state_variables
 from kanegen.simulation.tables import TIME
-from kanegen.simulation.turning import NO_TURNS, Turns, turns_of
+from kanegen.simulation.turning import NO_TURNS, Acting, Sampled, Turns, turns_of
 
 Effort = Callable[[float, Floats, Floats], ArrayLike]
 """Function that returns {tau}, of the shape of {y}, from the time (s), {x} and {y}."""
@@ -31,7 +31,8 @@ Interval = tuple[float, float]
 """Two times (s) between which no input of a table jumps."""
 
 InputSource = Mapping[str, Any] | str | Path
-"""Expressions and numbers by name; values over the time by name, with the column "t"; or a file of such."""
+"""Numbers, expressions and functions of the time by name; values over the time by name, with the column "t";
+or a file of such."""
 
 _SHAPED = {"force": "body", "torque": "body", "point_force": "point", "point_moment": "point"}
 
@@ -81,7 +82,7 @@ class Inputs:
         library: The library.
         effort: Function of the caller that returns {tau}, or None.
         prescribed: Function of the caller that returns the prescribed motion, or None.
-        signals: Signals by the places where they act.
+        signals: Expressions, and functions of the time, by the places where they act.
         columns: Places of columns of tables over the time, each with its table and its number in it.
         turns: Times to which adaptive steps lead at most, see `with_turns`.
     """
@@ -89,7 +90,7 @@ class Inputs:
     library: Library
     effort: Effort | None = None
     prescribed: PrescribedMotion | None = None
-    signals: tuple[tuple[Place, Signal], ...] = ()
+    signals: tuple[tuple[Place, Signal | TimeFunction], ...] = ()
     columns: tuple[tuple[Place, InputTable, int], ...] = ()
     turns: Turns = NO_TURNS
 
@@ -117,7 +118,7 @@ class Inputs:
             ReadError: If a file cannot be read.
         """
         known = places(library)
-        signals: list[tuple[Place, Signal]] = []
+        signals: list[tuple[Place, Signal | TimeFunction]] = []
         tables = []
         for source in _listed(sources):
             if isinstance(source, Mapping) and TIME not in source:
@@ -142,9 +143,33 @@ class Inputs:
             x: (..., m) first coordinates.
             y: (..., n) first generalized speeds.
         """
-        expressions = [signal.expression for _, signal in self.signals]
-        has_functions = self.effort is not None or self.prescribed is not None
-        return replace(self, turns=turns_of(self.library, expressions, has_functions, times, x, y))
+        expressions = [signal.expression for _, signal in self.signals if isinstance(signal, Signal)]
+        functions: list[Sampled] = [
+            signal.with_rates for _, signal in self.signals if isinstance(signal, TimeFunction)
+        ]
+        if self.prescribed is not None:
+            functions.append(self._prescribed_over)
+        acting = Acting(tuple(expressions), tuple(functions), self.effort is not None)
+        return replace(self, turns=turns_of(self.library, acting, times, x, y))
+
+    def _prescribed_over(self, times: Doubles) -> tuple[Doubles, ...]:
+        """Return the values of the prescribed motion of the caller at (K,) times (s), one row a freedom."""
+        return tuple(np.stack([self.prescribed_at(time)[0] for time in times.tolist()]).T)
+
+    def prescribed_at(self, time: float) -> Doubles:
+        """Return the (3, p) numbers of the prescribed motion of the caller at a time (s).
+
+        Raises:
+            OptionError: If its function returns another shape, or something that is no real number.
+        """
+        assert self.prescribed is not None
+        found, shape = np.asarray(self.prescribed(time)), self.shape("prescribed")
+        if found.dtype.kind not in "iuf" or found.shape != shape:
+            raise OptionError(
+                f"prescribed: at t = {time:.9g} s it returned {found.dtype} of shape {found.shape}; expected "
+                f"real numbers of shape {shape}: values, rates and second derivatives."
+            )
+        return found if found.dtype.kind == "f" else found.astype(np.float64)
 
     def _check_once(self, known: Mapping[str, Place]) -> None:
         """Make sure that no input is given twice."""
@@ -183,6 +208,30 @@ class Inputs:
         return not (self.effort or self.prescribed or self.signals or self.columns)
 
     @property
+    def depend_on_state(self) -> bool:
+        """Whether something that acts may depend on anything but the time."""
+        return self.effort is not None or any(signal.depends_on_state for _, signal in self.signals)
+
+    @property
+    def are_held(self) -> bool:
+        """Whether all that acts is constant between the times of tables."""
+        others = self.effort or self.prescribed or self.signals
+        return not others and all(table.hold == "zero" for table in self._tables)
+
+    @property
+    def arguments_given(self) -> set[str]:
+        """Names of the arguments of `Library.forward_dynamics` that are not left out."""
+        found = {place.argument for place, _ in self.signals} | {place.argument for place, *_ in self.columns}
+        found |= {"tau"} if self.effort is not None else set()
+        return found | ({"prescribed"} if self.prescribed is not None else set())
+
+    @property
+    def jumps(self) -> Doubles:
+        """(K,) times (s) at which a column of a table jumps."""
+        times = [table.times for table in self._tables if table.hold == "zero"]
+        return np.unique(np.concatenate(times)) if times else np.empty(0)
+
+    @property
     def breaks(self) -> Doubles:
         """(K,) times (s) at which a column of a table jumps or bends."""
         times = [table.times for table in self._tables]
@@ -215,7 +264,7 @@ class Inputs:
         if self.effort is not None:
             found["tau"] = self._efforts(self.effort, time, x, y)
         if self.prescribed is not None:
-            found["prescribed"] = np.array(self.prescribed(time), y.dtype)
+            found["prescribed"] = self.prescribed_at(time).astype(y.dtype)
         if self.signals:
             self._add_signals(found, time, x, y)
         for place, table, column in self.columns:
@@ -237,15 +286,18 @@ class Inputs:
     def _array(self, found: dict[str, Floats], place: Place, y: Floats) -> Floats:
         """Return the argument of a place, which is made of zeros where it is not there yet."""
         if place.argument not in found:
-            rows = {"body": len(self.library.source.model.body_names), "point": len(self.library.point_names)}
-            if place.argument == "tau":
-                shape = y.shape
-            elif place.argument == "prescribed":
-                shape = (3, len(self.library.prescribed_names))
-            else:
-                shape = (*y.shape[:-1], rows[_SHAPED[place.argument]], 3)
-            found[place.argument] = np.zeros(shape, y.dtype)
+            lead = () if place.argument == "prescribed" else y.shape[:-1]
+            found[place.argument] = np.zeros((*lead, *self.shape(place.argument)), y.dtype)
         return found[place.argument]
+
+    def shape(self, argument: str) -> tuple[int, ...]:
+        """Return the shape of an argument of `Library.forward_dynamics` for one state."""
+        if argument == "tau":
+            return (self.library.n,)
+        if argument == "prescribed":
+            return 3, len(self.library.prescribed_names)
+        rows = {"body": len(self.library.source.model.body_names), "point": len(self.library.point_names)}
+        return rows[_SHAPED[argument]], 3
 
     def _efforts(self, effort: Effort, time: float, x: Floats, y: Floats) -> Floats:
         """Return the generalized forces of a function, of the type of {y}, after a check of their shape.
@@ -291,10 +343,15 @@ def _listed(sources: InputSource | Sequence[InputSource] | None) -> Sequence[Inp
     return several
 
 
-def _signal(name: Any, text: Any, known: Mapping[str, Place], library: Library) -> tuple[Place, Signal]:
+def _signal(
+    name: Any, text: Any, known: Mapping[str, Place], library: Library
+) -> tuple[Place, Signal | TimeFunction]:
     """Return the place and the signal of an input."""
     if name not in known:
         raise OptionError(f"inputs: there is no {quoted(name)}. {did_you_mean(name, known)}")
+    if callable(text):
+        count = 3 if known[name].argument == "prescribed" else 1
+        return known[name], TimeFunction(f"input {name}", text, count)
     place, signal = known[name], Signal.of(f"input {name}", text, library)
     if signal.outputs:
         raise OptionError(f"input {name}: it cannot depend on the output {signal.outputs[0]!r}.")

@@ -11,7 +11,7 @@ from kanegen.linear.names import names_of
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.recursion.outputs import OUTPUTS, available
-from kanegen.recursion.outputs.integrators import ROLLOUT
+from kanegen.recursion.outputs.integrators import ROLLOUT, available_methods
 from kanegen.simulation.arguments import OF_DRIFTS
 from kanegen.simulation.compiled_steps import IN_C
 from kanegen.simulation.events import Event, conditions
@@ -56,7 +56,8 @@ def library_for(
     rates = () if system.speeds_are_rates else ("coordinate_rates",)
     efforts = [name for name in ("prescribed_efforts",) if name in can]
     named = outputs_in(conditions(events), tuple(OUTPUTS))
-    steps = [f"{ROLLOUT}{IN_C[method]}"] if method in IN_C and not system.prescribed else []
+    can_step = available_methods(system)
+    steps = [f"{ROLLOUT}{one}" for name, one in IN_C.items() if name == method and one in can_step]
     wanted = dict.fromkeys(("forward_dynamics", *rates, *efforts, *OF_DRIFTS, *asked, *named, *steps))
     return build(system, tuple(wanted), tier=tier, progress=progress)
 

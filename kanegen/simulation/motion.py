@@ -87,6 +87,7 @@ class Motion:
         inputs: What acts from outside.
         interval: Times (s) between which the present step lies, for inputs that jump at its ends.
         evaluations: Calls of `forward_dynamics` so far; a whole batch is one.
+        counts_work: Whether the work of what acts is wanted; steps in NumPy count it in any case.
         inaccurate: Reports of results that may be inaccurate, with the time in their messages.
     """
 
@@ -95,6 +96,7 @@ class Motion:
     inputs: Inputs
     interval: Interval = (-math.inf, math.inf)
     evaluations: int = 0
+    counts_work: bool = True
     inaccurate: list[StatusReport] = field(default_factory=list)
 
     def __call__(self, time: float, state: Floats) -> Floats:

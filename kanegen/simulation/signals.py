@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kanegen.errors import ModelError, OptionError
 from kanegen.library import Library
+from kanegen.model.arrays import Floats as Doubles
 from kanegen.model.expression import Expression, Parameter
 from kanegen.model.grammar import parse_signal
 from kanegen.model.nodes import TIME
@@ -69,17 +72,68 @@ class Signal:
         with np.errstate(all="ignore"):
             return np.asarray(evaluate(self.expression, variables, np.float64))
 
-    def with_rates(self, time: float) -> tuple[float, float, float]:
-        """Return value, rate and second derivative at a time (s) of a signal of the time alone.
+    def with_rates(self, times: ArrayLike) -> tuple[Doubles, Doubles, Doubles]:
+        """Return value, rate and second derivative at a time or at many (s) of a signal of the time alone.
 
         The derivatives are exact: dual numbers of dual numbers carry them along.
         """
         one, zero = np.float64(1.0), np.float64(0.0)
-        now = Dual(Dual(np.float64(time), one), Dual(one, zero))
+        now = Dual(Dual(np.asarray(times, np.float64), one), Dual(one, zero))
         still = Dual(zero, zero)
         with np.errstate(all="ignore"):
             found = evaluate(self.expression, {TIME: now}, lambda c: Dual(Dual(np.float64(c), zero), still))
-        return float(found.value.value), float(found.value.slope), float(found.slope.slope)
+        parts = found.value.value, found.value.slope, found.slope.slope
+        value, rate, second = (np.broadcast_to(part, np.shape(times)) for part in parts)
+        return value, rate, second
+
+
+@dataclass(frozen=True)
+class TimeFunction:
+    """A function of the caller of the time alone, in place of an expression.
+
+    It returns a number or, for a prescribed freedom, its value, rate and second derivative. It is called at
+    any times, also several times at one, so it must not remember calls.
+
+    Attributes:
+        label: What it is for, with which errors begin.
+        function: The function.
+        count: How many numbers it returns, 1 or 3.
+    """
+
+    label: str
+    function: Callable[[float], ArrayLike]
+    count: int = 1
+
+    outputs: ClassVar[tuple[str, ...]] = ()
+    depends_on_state: ClassVar[bool] = False
+
+    def __call__(self, variables: Variables) -> np.ndarray:
+        """Return the value at the time or the times of the variables, of their shape."""
+        return self.with_rates(variables[TIME])[0]
+
+    def with_rates(self, times: ArrayLike) -> tuple[Doubles, ...]:
+        """Return the value, and rate and second derivative where there are such, at a time or at many (s)."""
+        moments = np.asarray(times, np.float64)
+        rows = np.array([self._at(time) for time in moments.ravel().tolist()]).reshape(-1, self.count)
+        return tuple(column.reshape(moments.shape) for column in rows.T)
+
+    def _at(self, time: float) -> Doubles:
+        """Return the numbers at a time (s).
+
+        Raises:
+            OptionError: If there is another number of them, or one is no real number.
+        """
+        found = np.asarray(self.function(time))
+        if found.dtype.kind not in "iuf" or found.shape not in (
+            (self.count,),
+            () if self.count == 1 else (3,),
+        ):
+            expected = "a real number" if self.count == 1 else "value, rate and second derivative"
+            raise OptionError(
+                f"{self.label}: at t = {time:.9g} s the function returned {found.dtype} of shape "
+                f"{found.shape}; expected {expected}."
+            )
+        return np.asarray(found, np.float64).reshape(self.count)
 
 
 def float_of(number: float | Parameter) -> float:

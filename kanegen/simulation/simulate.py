@@ -72,8 +72,9 @@ def simulate(
             "leapfrog" of order 2 and "semi_implicit_euler" of order 1 do so only where [A] is constant and
             forces depend on {x} alone, else the energy drifts (docs/accuracy.md has figures). Only in C there
             are "euler" of order 1, "variational_midpoint" of order 2, which keeps momenta to rounding, and
-            "linearly_implicit" of order 2 for stiff systems. Where nothing acts from outside, all but
-            "leapfrog" run in C if the library has their rollouts, as one that is built for a system does.
+            "linearly_implicit" of order 2 for stiff systems. All but "leapfrog" run in C if the library has
+            their rollouts, as one that is built for a system does, unless something that acts depends on the
+            state.
             SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit and of order
             5, for stiff systems.
         every: Interval between the states of a motion of which the duration is given, s; by default about a
@@ -98,9 +99,10 @@ def simulate(
         inputs: What acts, by name: a freedom for its generalized force (N m, N), a prescribed freedom for its
             value (rad, m), "force.<body>.x", "torque.<body>.x", "point_force.<point>.x" and
             "point_moment.<point>.x" for components of loads (N, N m). A table such as {"pole": "0.5*sin(t)"}
-            has numbers, or expressions of t, x.<coordinate> and y.<speed>; the derivatives of a prescribed
-            value are formed. The name of a .csv, .parquet or .npz file, or a table with the column "t" (s),
-            has values over the time. Several of them act together.
+            has numbers, expressions of t, x.<coordinate> and y.<speed>, whose derivatives are formed for a
+            prescribed value, or functions of t, which return a number, or value, rate and second derivative.
+            The name of a .csv, .parquet or .npz file, or a table with the column "t" (s), has values over the
+            time. Several of them act together.
         hold: How values over the time continue to the next one: "zero" keeps them, "linear" draws a line.
         events: Events that are recorded, or end the motion: texts such as "x.pole > pi/2", or `Event`s.
         outputs: Outputs that tables and files of the trajectory contain beside energies and momentum, such as
@@ -145,7 +147,8 @@ def simulate(
     crossings = [Crossing.of(event, library) for event in happenings]
     _warn_of_contacts(library)
     first = first_state(library, x, y)
-    acting = acting.with_turns(moments, *first)
+    if chosen.is_adaptive or error is not None:
+        acting = acting.with_turns(moments, *first)
     promise = None
     if error is not None:
         libraries = Precisions(library, model if isinstance(model, System) else None, happenings, outputs)
@@ -191,5 +194,5 @@ def _problem(
 
     names = libraries.names(len(start) if start.ndim > 1 else 1, error)
     units = (*model.coordinate_units, *(rate_unit(unit) for unit in model.freedom_units))
-    in_c = inputs.are_absent and f"{ROLLOUT}rk4" in inputs.library.source.integrators
+    in_c = not inputs.depend_on_state and f"{ROLLOUT}rk4" in inputs.library.source.integrators
     return Problem(solve, start, times, units, names, in_c, inputs.turns.finest)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,14 +39,17 @@ class Solver:
         self._motion = Motion(library, self._layout, inputs)
 
     def states(self, x: Floats, y: Floats, times: Doubles) -> tuple[Floats, int]:
-        """Return (T, ..., k) states and the evaluations of a motion, up to where it breaks off."""
+        """Return (T, ..., k) states and the evaluations of a motion, up to where it breaks off.
+
+        The works in the states do not count.
+        """
         start = self._layout.join(x, y, np.zeros(y.shape[:-1], y.dtype))
         record = Record([float(times[0])], [start])
         marks = Marks.of(times, self._inputs.breaks)
+        motion = replace(self._motion, counts_work=False)
         with suppress(StatusError):
-            integrator = self._method.integrator(self._motion)
-            run(self._motion, integrator, start, marks, None, record, lambda time: None)
-        return self._layout.with_first_lengths(record.arrays[1]), self._motion.evaluations
+            run(motion, self._method.integrator(motion), start, marks, None, record, lambda time: None)
+        return self._layout.with_first_lengths(record.arrays[1]), motion.evaluations
 
     def trajectory(self, x: Floats, y: Floats, times: Doubles, report_time: ReportTime) -> Trajectory:
         """Return the motion from a first state.

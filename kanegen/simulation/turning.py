@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +20,10 @@ SAMPLES = 2**16
 """Number of equal intervals of a motion at whose ends expressions of the time are sampled."""
 
 CALLS = 200
-"""Smallest number of adaptive steps of a motion on which functions of the caller act."""
+"""Smallest number of adaptive steps of a motion on which a function of time and state of the caller acts."""
+
+FINER = 2**4
+"""Number of samples of expressions between two samples of functions of the caller, which are slower."""
 
 _SMALL = 1e-11
 """Share of the largest value below which a difference counts as none."""
@@ -61,23 +64,39 @@ NO_TURNS = Turns(np.empty(0))
 """Nothing depends on the time alone."""
 
 
-def turns_of(
-    library: Library, expressions: list[Expression], has_functions: bool, times: Doubles, x: Floats, y: Floats
-) -> Turns:
+Sampled = Callable[[Doubles], tuple[Doubles, ...]]
+"""Function that returns rows of values at (K,) times (s)."""
+
+
+@dataclass(frozen=True)
+class Acting:
+    """What acts from outside, as far as it may turn.
+
+    Attributes:
+        expressions: Expressions, with numbers in place of parameters.
+        functions: Functions of the caller.
+        has_effort: Whether a function of time and state acts. It may remember calls, so it is not sampled.
+    """
+
+    expressions: tuple[Expression, ...]
+    functions: tuple[Sampled, ...] = ()
+    has_effort: bool = False
+
+
+def turns_of(library: Library, acting: Acting, times: Doubles, x: Floats, y: Floats) -> Turns:
     """Return the turns of what acts on a motion.
 
     Args:
         library: The library, whose model may have force elements that depend on the time.
-        expressions: Expressions of the inputs, with numbers in place of parameters.
-        has_functions: Whether functions of the caller act. They may remember calls, so they are not sampled.
+        acting: What acts from outside.
         times: (T,) times of the motion, s.
         x: (..., m) first coordinates; those of the first one of several states are taken.
         y: (..., n) first generalized speeds.
     """
     begin, end = float(times[0]), float(times[-1])
-    longest = (end - begin) / CALLS if has_functions else np.inf
-    of_time = [one for one in (*expressions, *_of_model(library)) if TIME in one.variables]
-    if not of_time:
+    longest = (end - begin) / CALLS if acting.has_effort else np.inf
+    of_time = [one for one in (*acting.expressions, *_of_model(library)) if TIME in one.variables]
+    if not of_time and not acting.functions:
         return Turns(np.empty(0), longest=longest)
     samples = np.linspace(begin, end, SAMPLES + 1)
     state = state_variables(library, x.reshape(-1, x.shape[-1])[0], y.reshape(-1, y.shape[-1])[0])
@@ -85,6 +104,9 @@ def turns_of(
     for expression in of_time:
         for moved in _MOVED if len(expression.variables) > 1 else _MOVED[:1]:
             found |= _turning(samples, _values(expression, samples, state, moved))
+    for function in acting.functions:
+        for values in function(samples[::FINER]):
+            found[::FINER] |= _turning(samples[::FINER], np.where(np.isfinite(values), values, 0.0))
     return Turns(samples[found], (end - begin) / SAMPLES, longest)
 
 
