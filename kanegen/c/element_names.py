@@ -7,7 +7,7 @@ from itertools import zip_longest
 
 from kanegen.c.description import ModelDescription
 from kanegen.program.ir import PARAMETERS, Array
-from kanegen.recursion.outputs import DERIVATIVES
+from kanegen.recursion.outputs import DIFFERENTIATED, Product
 
 Names = tuple[str, ...]
 """Names along one axis of an array; () for an axis whose places have none."""
@@ -49,10 +49,18 @@ def names_of_elements(array: Array, model: ModelDescription) -> tuple[Names, ...
         speeds = names_of_y(model)
         return (tuple(f"{speeds[row]} {speeds[column]}" for row, column in array.pattern),)
     names = list(_axes(array, model))
-    if array.name in DERIVATIVES:
+    if _has_variables(array.name):
         last = len(array.shape) - 1
         names = [*names[:last], *([()] * (last - len(names))), _variables(array.name, model, array.shape[-1])]
     return tuple(_fitting(one, size) for one, size in zip_longest(names[: len(array.shape)], array.shape))
+
+
+def _has_variables(output: str) -> bool:
+    """Return whether the last axis of an output counts the variables by which another is differentiated."""
+    derivation = DIFFERENTIATED.get(output)
+    return derivation is not None and not (
+        isinstance(derivation, Product) and not derivation.kind.is_weighted
+    )
 
 
 def _variables(output: str, model: ModelDescription, size: int) -> Names:
@@ -63,7 +71,7 @@ def _variables(output: str, model: ModelDescription, size: int) -> Names:
         model: The model.
         size: Number of variables, which tells whether the time is one of them.
     """
-    derivative = DERIVATIVES[output]
+    derivative = DIFFERENTIATED[output]
     by = (*derivative.by, *((PARAMETERS,) if derivative.by_parameters else ()))
     names = [f"{one} {name}" for one in by for name in _names_of_input(one, model)]
     return tuple(names if len(names) == size else [name for name in names if name != "t t"])

@@ -31,7 +31,7 @@ from kanegen.library.library import Library
 from kanegen.library.native.build import build
 from kanegen.library.native.facade import Facade
 from kanegen.model.system import System
-from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, RATES
+from kanegen.recursion.outputs import DIFFERENTIATED, INTEGRATORS, OUTPUTS, RATES
 
 
 def function(model: System | Source | Library, name: str = "forward_dynamics", **options: Any) -> Any:
@@ -149,7 +149,7 @@ def outputs_needed(system: System, name: str) -> tuple[str, ...]:
         ('forward_dynamics', 'forward_dynamics_derivatives')
     """
     steps = [method.functions[0] for method in {one.name: one for one in INTEGRATORS.values()}.values()]
-    require_one("function", name, (*(one for one in OUTPUTS if one not in DERIVATIVES), *steps, ODE))
+    require_one("function", name, (*(one for one in OUTPUTS if one not in DIFFERENTIATED), *steps, ODE))
     if name in INTEGRATORS:
         method = INTEGRATORS[name]
         return (name, method.derivatives) if method.has_derivatives else (name,)
@@ -172,7 +172,7 @@ def _source(model: System | Source | Library, name: str, *, with_derivatives: bo
     if isinstance(model, System):
         outputs = outputs_needed(model, name)
         if not with_derivatives:
-            outputs = tuple(one for one in outputs if one not in DERIVATIVES)
+            outputs = tuple(one for one in outputs if one not in DIFFERENTIATED)
         return generate(model, outputs, functions=outputs, batches=False)
     if isinstance(model, Library):
         values = tuple(model.parameters.items())

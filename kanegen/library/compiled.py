@@ -237,6 +237,9 @@ class CompiledModel:
         *,
         ydot: ArrayLike | None = None,
         tau: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+        direction: ArrayLike | None = None,
+        state_direction: ArrayLike | None = None,
         **inputs: Unpack[NamedInputs],
     ) -> Evaluation:
         """Compute all outputs in one call, which costs less than separate calls.
@@ -252,6 +255,9 @@ class CompiledModel:
             ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2; needed if an output depends on
                 them.
             tau: Generalized forces, as in `forward_dynamics`.
+            weights: (n,) or (B, n) weights, as in `forward_dynamics_vjp`; needed for such outputs.
+            direction: Direction of the variables, as in `forward_dynamics_jvp`; needed for such outputs.
+            state_direction: Direction of the variables of {f}, as in `forcing_jvp`.
             inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
@@ -264,7 +270,9 @@ class CompiledModel:
         Example:
             A, f = kg.build(system).evaluate(x, y)
         """
-        return Evaluation(self.source.outputs, self._run(EVALUATE, (x, y, ydot, tau, force, torque), inputs))
+        products = weights, direction, state_direction
+        results = self._run(EVALUATE, (x, y, ydot, *products, tau, force, torque), inputs)
+        return Evaluation(self.source.outputs, results)
 
     def _run(self, name: str, values: Values, inputs: NamedInputs) -> list[Floats]:
         """Call the C function of an output.

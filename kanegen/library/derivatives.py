@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from kanegen.choices import require_one
 from kanegen.library.compiled import CompiledModel
 from kanegen.model.arguments import Floats, NamedInputs
-from kanegen.recursion.outputs import DERIVATIVES
+from kanegen.recursion.outputs import DIFFERENTIATED
 
 
 class Derivatives(CompiledModel):
@@ -242,12 +242,15 @@ class Derivatives(CompiledModel):
     def derivative_columns(self, output: str) -> dict[str, slice]:
         """Return the columns of an output of derivatives, by array of differentiation variables.
 
+        For a product with derivatives, such as "forward_dynamics_vjp", these are the places in its direction
+        and in its gradient.
+
         Args:
             output: Name of the output, such as "forcing_derivatives".
 
         Returns:
-            The slices of the last axis that belong to "x", "y", "tau" and "parameters", or to "force",
-            "torque", "point_force", "point_moment", "t" and "prescribed", where there are any.
+            The slices of the last axis that belong to "x", "y", "ydot", "tau" and "parameters", and to
+            "force", "torque", "point_force", "point_moment", "t" and "prescribed", where there are any.
 
         Raises:
             OptionError: If there is no such output.
@@ -255,7 +258,7 @@ class Derivatives(CompiledModel):
         Example:
             library.derivative_columns("forward_dynamics_derivatives")["tau"]
         """
-        require_one("output of derivatives", output, DERIVATIVES)
+        require_one("output of derivatives", output, DIFFERENTIATED)
         read = {array.name: array.size for one in self.source.functions for array in one.inputs}
         sizes = len(self.coordinate_names), self.n, len(self._parameters)
-        return DERIVATIVES[output].columns(*sizes, read)
+        return DIFFERENTIATED[output].columns(*sizes, read)

@@ -17,6 +17,7 @@ from kanegen.library.native.build import Recipe
 from kanegen.library.native.loaded import NativeLibrary
 from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.operational import OperationalSpace
+from kanegen.library.products import Products
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
 from kanegen.library.right_side import RightSides
@@ -71,6 +72,7 @@ class Library(
     OperationalSpace,
     Identification,
     Derivatives,
+    Products,
     QuantityDerivatives,
     StepDerivatives,
 ):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kanegen.lowering.lower import lower_definitions
+from kanegen.lowering.definitions import lower_definitions
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.program.evaluate import evaluate

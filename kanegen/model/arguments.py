@@ -29,7 +29,10 @@ MODEL_DEPENDENT = {
 }
 """Arguments that only some models have, and descriptions of them for error messages."""
 
-ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *MODEL_DEPENDENT)
+OF_PRODUCTS = ("weights", "direction", "state_direction")
+"""Arguments of products with derivatives alone."""
+
+ARGUMENTS = ("x", "y", "ydot", *OF_PRODUCTS, "tau", "force", "torque", *MODEL_DEPENDENT)
 """Names of all arguments, in the order of the C functions and of the methods of `Library`."""
 
 STEP = {"step": "the length of the step in s"}

@@ -68,18 +68,23 @@ def split(
         programs[name] = _restrict_to(one, functions[name])
     if fixed and EVALUATE in functions:
         together = [programs.pop(EVALUATE), *(programs[name] for name in fixed)]
-        programs[EVALUATE] = _joined(together, functions[EVALUATE])
+        programs[EVALUATE] = joined(together, *functions[EVALUATE])
     module = hoist({name: programs[name] for name in functions})
     if module.prepare and not fixed:
         module = replace(module, prepare=run(module.prepare, own)[0])
     return module, stages[-1][1:]
 
 
-def _joined(programs: Sequence[Program], signature: Signature) -> Program:
-    """Return the program of all outputs of several programs, whose instructions stay as they are."""
+def joined(programs: Sequence[Program], inputs: Sequence[str], wanted: Sequence[str]) -> Program:
+    """Return the program of all outputs of several programs, whose instructions stay as they are.
+
+    Args:
+        programs: The programs. Of several that give one name to a value, only the first keeps it.
+        inputs: Names of the arrays that they read beside parameters, in the order of the result.
+        wanted: Names of the arrays that they fill, in the order of the result.
+    """
     arrays = {array.name: array for program in programs for array in program.inputs}
-    names = (PARAMETERS, *signature.inputs)
-    builder = Builder([arrays[name] for name in dict.fromkeys(names) if name in arrays])
+    builder = Builder([arrays[name] for name in dict.fromkeys((PARAMETERS, *inputs)) if name in arrays])
     outputs: dict[str, Output] = {}
     taken: set[str] = set()
     for program in programs:
@@ -89,7 +94,7 @@ def _joined(programs: Sequence[Program], signature: Signature) -> Program:
             moved.append(builder.copy(bare, [moved[j] for j in x.operands]))
             taken.add(x.name)
         outputs |= {output.array.name: output.renumbered(moved) for output in program.outputs}
-    return check(builder.program([outputs[name] for name in signature.outputs]))
+    return check(builder.program([outputs[name] for name in wanted]))
 
 
 def _restrict_to(program: Program, signature: Signature) -> Program:

@@ -43,13 +43,44 @@ def tangents(
     Returns:
         Tangents by instruction, for all instructions that the wanted ones depend on.
     """
+    one = builder.constant(constants.quotient(1, 1))
+    seeds = {i: {direction: one} for i, direction in directions.items()}
+    return seeded_tangents(builder, program, moved, seeds, wanted, constants)
+
+
+def seeded_tangents(
+    builder: Builder,
+    program: Program,
+    moved: Mapping[int, int],
+    seeds: Mapping[int, Tangent],
+    wanted: Iterable[int],
+    constants: Constants,
+    mark: str = "_d{}",
+) -> dict[int, Tangent]:
+    """Append derivatives to a builder where those of some instructions are known.
+
+    With the elements of a vector as the derivatives of the inputs, in one direction, the results are the
+    product of the Jacobian and this vector.
+
+    Args:
+        builder: The builder; it holds the instructions of the program already.
+        program: The program to differentiate.
+        moved: Value in the builder of each instruction of the program.
+        seeds: Tangents of some instructions, such as inputs; all other inputs are constant.
+        wanted: Instructions of the program whose derivatives are asked for.
+        constants: The arithmetic of constants.
+        mark: End of the names of derivatives, with the direction left open.
+
+    Returns:
+        Tangents by instruction, as those of `tangents`.
+    """
     rules = _Rules(builder, constants)
     divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
     found: dict[int, Tangent] = {}
     for i in dependencies(program, wanted):
         instruction = program.instructions[i]
-        if i in directions:
-            found[i] = {directions[i]: rules.one}
+        if i in seeds:
+            found[i] = dict(seeds[i])
             continue
         inner = [found[j] for j in instruction.operands]
         values = [moved[j] for j in instruction.operands]
@@ -62,15 +93,28 @@ def tangents(
                 value = rules.derivative_of_root(moved[i], slopes[0])
             else:
                 value = rules.derivative(instruction.op, moved[i], values, slopes)
-            found[i][direction] = _named(builder, value, instruction, direction)
+            found[i][direction] = _named(builder, value, instruction, mark.format(direction))
     return found
 
 
-def _named(builder: Builder, value: int, instruction: Instruction, direction: int) -> int:
-    """Name the derivative of a named instruction after it, with the direction at the end."""
+def _named(builder: Builder, value: int, instruction: Instruction, mark: str) -> int:
+    """Name the derivative of a named instruction after it, with a mark at the end."""
     if not instruction.name:
         return value
-    return builder.name(value, f"{instruction.name}_d{direction}", f"Derivatives. {instruction.note}")
+    return builder.name(value, f"{instruction.name}{mark}", f"Derivatives. {instruction.note}")
+
+
+def slope_of_tanh(make: Builder, one: int, a: int) -> int:
+    """Return 1 - tanh^2 as (2 e/(1 + e^2))^2 with e = exp(-|a|), which keeps its digits for large a.
+
+    Args:
+        make: The builder to which instructions are appended.
+        one: Its value of the number 1.
+        a: The operand of tanh.
+    """
+    e = make.function(Op.EXP, make.negate(make.function(Op.ABS, a)))
+    root = make.divide(make.add(e, e), make.add(one, make.multiply(e, e)))
+    return make.multiply(root, root)
 
 
 class _Rules:
@@ -148,16 +192,9 @@ class _Rules:
             case Op.LOG:
                 return make.divide(da, a)
             case Op.TANH:
-                return make.multiply(self._slope_of_tanh(a), da)
+                return make.multiply(slope_of_tanh(make, self.one, a), da)
         assert op is Op.COS
         return make.negate(make.multiply(make.function(Op.SIN, a), da))
-
-    def _slope_of_tanh(self, a: int) -> int:
-        """Return 1 - tanh^2 as (2 e/(1 + e^2))^2 with e = exp(-|a|), which keeps its digits for large a."""
-        make = self._builder
-        e = make.function(Op.EXP, make.negate(make.function(Op.ABS, a)))
-        root = make.divide(make.add(e, e), make.add(self.one, make.multiply(e, e)))
-        return make.multiply(root, root)
 
     def _of_arctangent(self, y: int, x: int, dy: int | None, dx: int | None) -> int:
         """Return (x dy - y dx)/(x^2 + y^2), the derivative of the angle of the point (x, y)."""

@@ -138,6 +138,16 @@ class AngleRates:
         three = define(names[2], between[self.third.axis] - self._v[self.third.axis] * one)
         return one, two, three
 
+    def angular(self, rates: tuple[Expr, Expr, Expr]) -> Vector:
+        """Return the relative angular velocity, in K, of rates of the angles, Eq. (8)."""
+        one, two, three = rates
+        between = {
+            self._across_axis: self.definitions.define(f"omegar_{self.body}_q", self.across * one),
+            self.second.axis: two,
+            self.third.axis: self._v[self.third.axis] * one + three,
+        }
+        return self.third.turn.up(Vector(between[0], between[1], between[2]))
+
     def torque(self, efforts: tuple[Expr, Expr, Expr]) -> Vector:
         """Return the torque {T}, in K, of the generalized forces {tau} on the angles: [P]^T {T} = {tau}."""
         one, two, three = efforts

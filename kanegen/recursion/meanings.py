@@ -348,6 +348,8 @@ NAMES = (
     ("qw_{P}_{x}", "angular acceleration of the solution (rad/s^2)"),
     ("qa_{P}_{x}", "acceleration of the origin of the solution (m/s^2)"),
     ("qs_{P}_{x}", "acceleration of O_K along free translations, in P (m/s^2)"),
+    ("omegar_{K}_{x}", "angular velocity of body K relative to its lower body, in K (rad/s)"),
+    ("omegar_{K}_q", "component of omegar_K between the turns by its second and third angle"),
     ("qr_{K}_{x}", "angular acceleration of body K relative to its lower body, in K (rad/s^2)"),
     ("q_{n}", "component of the acceleration at the freedom at place n"),
     ("qo_{n}", "q_n where component n of the acceleration below the joint is zero"),
@@ -407,6 +409,8 @@ NAMES = (
 
 MARKS = (
     ("_d{n}", "at the end of a name: derivative by element n of what is differentiated by"),
+    ("_dir", "at the end of a name: derivative along the direction"),
+    ("_adj", "at the end of a name: derivative of the weighted sum by this value"),
     ("_s", "at the end of a name: the value at the solution {ydot}"),
     ("_f{n}", "at the end of a name: the same for J [A]^-1 J^T of frame n instead of [A]"),
     ("_u{n}", "at the end of a name: for a unit generalized force at place n alone"),

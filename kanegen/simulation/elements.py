@@ -12,7 +12,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
 from kanegen.model.components import AXES, angular_first, linear_first
 from kanegen.program.ir import EVALUATE, Array
-from kanegen.recursion.outputs import DERIVATIVES
+from kanegen.recursion.outputs import DIFFERENTIATED
 
 POSE_ROWS = ("axis_x", "axis_y", "axis_z", "origin")
 """Rows of a pose: the axes of the frame, then its origin, each with inertial components."""
@@ -144,7 +144,7 @@ def axes_of(source: Source, output: str) -> list[Axis]:
     """Return the axes of the array of an output, none for a single number."""
     shape = output_array(source, output).shape
     known = _known_axes(source.model, output.removesuffix("_derivatives"))
-    if output in DERIVATIVES:  # whose unit is one over those of the columns
+    if output in DIFFERENTIATED:  # whose unit is one over those of the columns
         known = [Axis(axis.name, axis.labels) for axis in known]
     axes = [axis for axis, size in zip(known, shape, strict=False) if len(axis.labels) == size]
     return axes + [_numbered(size) for size in shape[len(axes) :]]

@@ -19,7 +19,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
-from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS
+from kanegen.recursion.outputs import DIFFERENTIATED, OUTPUTS
 from kanegen.simulation.elements import elements, rate_unit
 
 STATE = ("x", "y")
@@ -57,7 +57,7 @@ def outputs_of(where: str, names: Iterable[str], system: System) -> tuple[str, .
     Raises:
         OptionError: If there is no output of a name in the system.
     """
-    known = [name for name, one in OUTPUTS.items() if name not in DERIVATIVES and one.is_available(system)]
+    known = [name for name, one in OUTPUTS.items() if name not in DIFFERENTIATED and one.is_available(system)]
     needed: set[str] = set()
     for name in names:
         first = name.partition(".")[0]

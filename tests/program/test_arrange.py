@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from kanegen.compiler import compile_module
-from kanegen.lowering.lower import lower_definitions
+from kanegen.lowering.definitions import lower_definitions
 from kanegen.program.arrange import arrange
 from kanegen.program.check import check
 from kanegen.program.evaluate import evaluate

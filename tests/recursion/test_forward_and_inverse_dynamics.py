@@ -10,7 +10,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.lowering.lower import lower_definitions
+from kanegen.lowering.definitions import lower_definitions
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.program import passes
 from kanegen.program.evaluate import evaluate

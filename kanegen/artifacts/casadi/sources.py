@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
 from kanegen.program.ir import PARAMETERS, PREPARED, Array
-from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, RATES, differentiates
+from kanegen.recursion.outputs import DERIVATIVES, DIFFERENTIATED, INTEGRATORS, OUTPUTS, RATES, differentiates
 
 ODE = "ode"
 """Name of the function of the rates of a state, {xdot} and {ydot}."""
@@ -94,7 +94,7 @@ def differentiable(source: Source) -> Iterator[Derived]:
     """Yield the functions of CasADi that a source gives: its outputs, its steps, and `ODE`."""
     functions = {function.name: function for function in source.functions}
     for name, function in functions.items():
-        if name in OUTPUTS and name not in DERIVATIVES:
+        if name in OUTPUTS and name not in DIFFERENTIATED:
             slopes = tuple(_slopes(source, functions, name))
             yield Derived(name, function.doc, (Result(function.outputs[0], function, slopes),))
         elif name in INTEGRATORS and not differentiates(name):

@@ -12,10 +12,10 @@ from kanegen.artifacts.fmi.variables import Block, Variable, parts_of
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
 from kanegen.c.steps import Rollout
-from kanegen.model.arguments import ARGUMENTS
+from kanegen.model.arguments import ARGUMENTS, OF_PRODUCTS
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, PREPARED, Array
-from kanegen.recursion.outputs import DERIVATIVES, EQUATIONS, INTEGRATORS, RATES
+from kanegen.recursion.outputs import DERIVATIVES, DIFFERENTIATED, EQUATIONS, INTEGRATORS, RATES
 
 USUAL = "rollout_rk4"
 """The function that makes the steps of co-simulation where a user names no other."""
@@ -37,7 +37,7 @@ _FORWARD, _RATES = RATES
 _STATES = ("x", "y")
 """Names of the arrays of continuous states, in their order."""
 
-_INSIDE = (PREPARED, "ydot", STEP.name)
+_INSIDE = (PREPARED, "ydot", *OF_PRODUCTS, STEP.name)
 """Inputs of functions that are not set from outside, or not under this name."""
 
 _ORDER = (TIME.name, *(name for name in ARGUMENTS if name not in (TIME.name, "ydot")), PARAMETERS, STEP.name)
@@ -110,7 +110,7 @@ class Layout:
         others = [
             (name, self.functions[name].outputs[0])
             for name in self.source.outputs
-            if name not in (*RATES, *EQUATIONS, *DERIVATIVES) and name in self.functions
+            if name not in (*RATES, *EQUATIONS, *DIFFERENTIATED) and name in self.functions
         ]
         return self._placed([*first, *others], self.settable)
 

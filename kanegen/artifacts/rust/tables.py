@@ -17,7 +17,7 @@ from kanegen.c.source import Source
 from kanegen.c.steps import DERIVATIVES_OF_STEP
 from kanegen.model.identifiers import identifiers
 from kanegen.program.precision import DOUBLE, Precision
-from kanegen.recursion.outputs import DERIVATIVES, OF_FRAMES
+from kanegen.recursion.outputs import DIFFERENTIATED, OF_FRAMES
 
 
 @dataclass(frozen=True)
@@ -182,8 +182,8 @@ def columns(source: Source) -> list[tuple[str, list[tuple[str, int, int]]]]:
     found = []
     for name in arrays:
         output = "forward_dynamics_derivatives" if name == DERIVATIVES_OF_STEP else name
-        if output in DERIVATIVES and source.system is not None:
-            parts = DERIVATIVES[output].columns_of(source.system).items()
+        if output in DIFFERENTIATED and source.system is not None:
+            parts = DIFFERENTIATED[output].columns_of(source.system).items()
             found.append((name, [(by.upper(), part.start, part.stop) for by, part in parts]))
     return found
 

@@ -8,7 +8,8 @@ method of `Library`, and one function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
-from kanegen.recursion.outputs.inputs import input_arrays
+from kanegen.recursion.outputs.differentiated import Derivative, Product
+from kanegen.recursion.outputs.inputs import argument_arrays, input_arrays
 from kanegen.recursion.outputs.integrators import (
     INTEGRATORS,
     METHODS,
@@ -23,7 +24,7 @@ from kanegen.recursion.outputs.integrators import (
 )
 from kanegen.recursion.outputs.kinematics import MOTIONS_OF_FRAMES
 from kanegen.recursion.outputs.operational import OF_FRAMES
-from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.outputs.output import ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.outputs.selection import (
     accurately_solved,
     available,
@@ -38,10 +39,18 @@ from kanegen.recursion.outputs.selection import (
     solving,
     takes_long,
 )
-from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OUTPUTS
+from kanegen.recursion.outputs.table import (
+    DERIVATIVES,
+    DIFFERENTIATED,
+    EQUATIONS,
+    ERROR_BOUNDS,
+    OUTPUTS,
+    PRODUCTS,
+)
 
 __all__ = [
     "DERIVATIVES",
+    "DIFFERENTIATED",
     "EQUATIONS",
     "ERROR_BOUNDS",
     "INTEGRATORS",
@@ -50,6 +59,7 @@ __all__ = [
     "OF_CONTACTS",
     "OF_FRAMES",
     "OUTPUTS",
+    "PRODUCTS",
     "RATES",
     "RATES_DERIVATIVES",
     "Derivative",
@@ -57,9 +67,11 @@ __all__ = [
     "Method",
     "OfSolution",
     "Output",
+    "Product",
     "Recursion",
     "Subject",
     "accurately_solved",
+    "argument_arrays",
     "available",
     "available_methods",
     "chosen",

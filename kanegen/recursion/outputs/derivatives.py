@@ -16,8 +16,9 @@ from kanegen.recursion.inverse_dynamics_derivatives import (
     inverse_dynamics_by_state,
     inverse_dynamics_of_elements,
 )
+from kanegen.recursion.outputs.differentiated import Derivative
 from kanegen.recursion.outputs.inputs import LOADS, READ_BY_ALL, input_arrays
-from kanegen.recursion.outputs.output import Derivative, Output, Recursion, Subject
+from kanegen.recursion.outputs.output import Output, Recursion, Subject
 from kanegen.recursion.tree import Derived, Tree
 
 _DIFFERENTIATED = (

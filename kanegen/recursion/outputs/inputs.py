@@ -29,6 +29,29 @@ def input_arrays(system: System) -> dict[Array, Elements]:
     return dict(chain.from_iterable(kind(system) for kind in kinds))
 
 
+def argument_arrays(system: System) -> tuple[Array, ...]:
+    """Return all arrays that C functions of a system may read, in the order of their arguments.
+
+    Beside the inputs of the equations these are the weights and the directions of products with derivatives.
+    """
+    arrays = [array for array in input_arrays(system)]
+    names = [array.name for array in arrays]
+    place, n = names.index("ydot") + 1, len(system.freedoms)
+    sizes = {array.name: array.size for array in arrays if array.name != "ydot"}
+    total = sum(sizes.values())
+    further = (
+        Array("weights", (n,), "any", "the weight of each element of the quantity that is differentiated"),
+        Array("direction", (total,), "those of the variables", "a change of the variables, in their order"),
+        Array(
+            "state_direction",
+            (total - n,),
+            "those of the variables",
+            "a change of the variables of {f}, in their order",
+        ),
+    )
+    return (*arrays[:place], *further, *arrays[place:])
+
+
 def coordinate_units(system: System) -> tuple[str, ...]:
     """Return the units that occur in {x}."""
     return (*dict.fromkeys(kind.unit for kind in _orientation_kinds(system)), "rad", "m")

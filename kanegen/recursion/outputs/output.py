@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sized
+from collections.abc import Callable, Sized
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT
 from kanegen.model.system import System
-from kanegen.program.ir import PARAMETERS, Array
-from kanegen.recursion.outputs.inputs import input_arrays
+from kanegen.program.ir import Array
+from kanegen.recursion.outputs.differentiated import Derivative, Product
 from kanegen.recursion.solution import Solution
 from kanegen.recursion.tree import Derived, Tree
 
@@ -41,73 +40,6 @@ class OfSolution:
     derive: Callable[[Solution], Derived]
     is_accurate: bool = True
     is_refined: bool = False
-
-
-@dataclass(frozen=True)
-class Derivative:
-    """Derivation of an output by differentiating the programs of other outputs.
-
-    Attributes:
-        of: The differentiated quantity, as documented in the generated C.
-        needs: Names of the outputs whose programs are differentiated.
-        by: Names of the arrays with respect to which they are differentiated, those that a system has.
-        by_parameters: Whether they are also differentiated with respect to run-time parameters.
-        parts: Names of the entries of `PARTS` from which derivatives by {x} and {y} come where a system has
-            them: these derivatives, and a further term to differentiate. Empty where there are none.
-    """
-
-    of: str
-    needs: tuple[str, ...]
-    by: tuple[str, ...]
-    by_parameters: bool = True
-    parts: tuple[str, ...] = ()
-
-    @property
-    def method(self) -> str:
-        """Name of the algorithm, as documented in the generated C."""
-        return "recursions and their tangents" if self.parts else "tangents of the recursions"
-
-    def columns(
-        self,
-        coordinates: int,
-        n: int,
-        parameters: int,
-        further: Mapping[str, int] = MappingProxyType({}),
-    ) -> dict[str, slice]:
-        """Return the columns of the output by array of `by`, where there are any; parameters come last.
-
-        Args:
-            coordinates: Number of elements of {x}.
-            n: Number of freedoms.
-            parameters: Number of run-time parameters.
-            further: Number of elements of each further array that the system has, such as "force".
-        """
-        sizes = {**further, "x": coordinates, "y": n, "tau": n, PARAMETERS: parameters}
-        found: dict[str, slice] = {}
-        first = 0
-        for name in (*self.by, *((PARAMETERS,) if self.by_parameters else ())):
-            if size := sizes.get(name, 0):
-                found[name] = slice(first, first + size)
-                first += size
-        return found
-
-    def columns_of(self, system: System) -> dict[str, slice]:
-        """Return the columns of the output for a system."""
-        sizes = {array.name: array.size for array in input_arrays(system)}
-        return self.columns(len(system.coordinates), len(system.freedoms), len(system.parameters), sizes)
-
-    def array(self, system: System, name: str, base: Array) -> Array:
-        """Return the array of the output `name`: behind the axes of `base` one for the elements of `by`."""
-        columns = self.columns_of(system)
-        places = ", then ".join(
-            f"{one} (columns {part.start} to {part.stop - 1})" for one, part in columns.items()
-        )
-        width = max((part.stop for part in columns.values()), default=0)
-        doc = f"derivatives of {self.of} by {places or 'inputs from outside'}"
-        unit = f"{base.unit} over the units of these"
-        return Array(
-            name, (*base.shape, width), unit, doc, base.condition, base.of_freedoms, base.row_condition
-        )
 
 
 @dataclass(frozen=True)
@@ -154,7 +86,7 @@ class Output:
     name: str
     array: Callable[[System], Array]
     inputs: tuple[str, ...]
-    derivation: Recursion | OfSolution | Derivative | ErrorBound
+    derivation: Recursion | OfSolution | Derivative | Product | ErrorBound
     subject: Subject | None = None
 
     @property

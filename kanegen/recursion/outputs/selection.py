@@ -13,9 +13,10 @@ from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
-from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
+from kanegen.recursion.outputs.differentiated import Derivative, Differentiated, Product
+from kanegen.recursion.outputs.inputs import READ_BY_ALL, argument_arrays
 from kanegen.recursion.outputs.operational import OPERATIONAL_NAMES
-from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution
+from kanegen.recursion.outputs.output import ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import DERIVED, OUTPUTS
 
 
@@ -66,7 +67,7 @@ def holding(outputs: Iterable[str]) -> tuple[str, ...]:
 def _solves(name: str) -> bool:
     """Return whether an output is a solution of [A]{ydot} = {b} or is made from one."""
     derivation = OUTPUTS[name].derivation
-    if isinstance(derivation, Derivative | ErrorBound):
+    if isinstance(derivation, Differentiated | ErrorBound):
         return bool(solving(derivation.needs))
     return isinstance(derivation, OfSolution)
 
@@ -99,9 +100,10 @@ def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple
     found: list[str] = []
     for name in outputs:
         derivation = OUTPUTS[name].derivation
-        if isinstance(derivation, Derivative):
-            with_parts = system is not None and _takes_parts(derivation, system)
-            found += (*derivation.needs, *(derivation.parts if with_parts else ()))
+        if isinstance(derivation, Differentiated):
+            found += derivation.needs
+            if isinstance(derivation, Derivative) and system is not None and _takes_parts(derivation, system):
+                found += derivation.parts
         elif not isinstance(derivation, ErrorBound):
             found.append(name)
     return tuple(dict.fromkeys(found))
@@ -124,7 +126,7 @@ def takes_long(system: System, name: str) -> bool:
 def method_of_program(name: str) -> str:
     """Return the method of an output that is derived from programs of other outputs, "" of any other one."""
     derivation = OUTPUTS[name].derivation
-    return derivation.method if isinstance(derivation, Derivative | ErrorBound) else ""
+    return derivation.method if isinstance(derivation, Derivative | Product | ErrorBound) else ""
 
 
 def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:
@@ -144,7 +146,7 @@ def function_signatures(
         together: Outputs that are also computed together by a function of their own, by its name, unless they
             are all or just one.
     """
-    arrays = [array.name for array in input_arrays(system)]
+    arrays = [array.name for array in argument_arrays(system)]
     read = {name: {*OUTPUTS[name].inputs, *READ_BY_ALL} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
     groups |= {name: group for name, group in together.items() if 1 < len(group) < len(outputs)}

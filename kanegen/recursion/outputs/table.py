@@ -23,10 +23,12 @@ from kanegen.recursion.inverse_dynamics import (
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.outputs.contacts import HELD
 from kanegen.recursion.outputs.derivatives import PARTS, derivatives_of
+from kanegen.recursion.outputs.differentiated import Derivative, Differentiated, Product
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import KINEMATICS
 from kanegen.recursion.outputs.operational import OPERATIONAL
-from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.outputs.output import ErrorBound, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.outputs.products import products_of
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.regressor import base_regressor, regressor
 from kanegen.recursion.solution import Solution
@@ -325,7 +327,9 @@ _ENTRIES = (
     ),
 )
 
-OUTPUTS: dict[str, Output] = {output.name: output for output in (*_ENTRIES, *derivatives_of(_ENTRIES))}
+OUTPUTS: dict[str, Output] = {
+    output.name: output for output in (*_ENTRIES, *derivatives_of(_ENTRIES), *products_of(_ENTRIES))
+}
 """The outputs by name."""
 
 DERIVED = ChainMap(OUTPUTS, PARTS)
@@ -343,3 +347,15 @@ DERIVATIVES = {
     name: output.derivation for name, output in OUTPUTS.items() if isinstance(output.derivation, Derivative)
 }
 """The derivations of the outputs that are derivatives of other outputs, by name."""
+
+DIFFERENTIATED: dict[str, Differentiated] = {
+    name: output.derivation
+    for name, output in OUTPUTS.items()
+    if isinstance(output.derivation, Differentiated)
+}
+"""The derivations of all outputs that are made by differentiating others, by name."""
+
+PRODUCTS = {
+    name: output.derivation for name, output in OUTPUTS.items() if isinstance(output.derivation, Product)
+}
+"""The derivations of the outputs that are products with derivatives of other outputs, by name."""
