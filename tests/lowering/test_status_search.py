@@ -9,8 +9,8 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.lowering.losses import array_inputs, largest_losses
 from kanegen.lowering.definitions import lower_definitions
+from kanegen.lowering.losses import array_inputs, largest_losses
 from kanegen.model.rotations import rotation_123
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Array
