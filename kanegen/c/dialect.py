@@ -116,6 +116,10 @@ class Dialect:
         """Return the statement that defines the constant local `name` of type `kind`."""
         return f"const {kind} {name} = {text};"
 
+    def before(self, first: int, last: int) -> list[str]:
+        """Return the statements that stand before instruction `last` and behind the one before `first`."""
+        return []
+
     def ignored(self, name: str) -> str:
         """Return the statement that marks an unused argument."""
         return f"(void){name};"

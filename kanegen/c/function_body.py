@@ -104,11 +104,15 @@ class _Printer:
         for i in self._live:
             if i in self._names and self._instructions[i].array not in ("", WORKSPACE):
                 self._define(i)
+        next_ = 0
         for i in self._live:
+            self._lines += self._dialect.before(next_, i)
+            next_ = i + 1
             if i not in self._expressions:
                 self._define(i)
             self._test(i)
             self._store(i)
+        self._lines += self._dialect.before(next_, len(self._instructions))
         if self._may_fail:
             self._lines += self._dialect.closing(self._may_fail, bool(self._margins))
         return self._lines

@@ -189,7 +189,7 @@ def code(
     precision = dialect.arithmetic if elementary else None
     status = bodies[-1].status
     if len(programs) == 1 and not flushes:
-        lines = [*bodies[0].lines, *_ending(function, programs, dialect, status, infinite)]
+        lines = [*bodies[0].lines, *ending(function, programs, dialect, status, infinite)]
         return Code(lines, (), most, has_sines, names, takes_sines, precision, part_locals=held)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
@@ -199,7 +199,7 @@ def code(
         calls += part.call()
     if flushes:
         calls.append("    restore_mode(before);")
-    calls += _ending(function, programs, dialect, status and "status", infinite)
+    calls += ending(function, programs, dialect, status and "status", infinite)
     return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision, part_locals=held)
 
 
@@ -219,7 +219,7 @@ def _returned(status: str) -> list[str]:
     return [f"    return {status};"] if status else []
 
 
-def _ending(
+def ending(
     function: Function, programs: Sequence[Program], dialect: Dialect, status: str, infinite: str
 ) -> list[str]:
     """Return the lines that return the status of a function.

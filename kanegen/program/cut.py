@@ -17,7 +17,7 @@ from kanegen.program.ir import WORKSPACE, Array, Instruction, Op, Output, Progra
 LONGEST_PART = 2000
 """Instructions of a part: about where gcc's time leaves the straight line, and the code is no slower."""
 
-_SOURCES = (Op.INPUT, Op.CONSTANT)
+SOURCES = (Op.INPUT, Op.CONSTANT)
 """Operations that every part repeats where it needs their values."""
 
 
@@ -32,7 +32,7 @@ def cut(program: Program, longest: int = LONGEST_PART) -> tuple[Program, ...]:
         longest: Instructions that a part may have, inputs and constants not counted; a program that is no
             longer stays whole.
     """
-    computed = [i for i, x in enumerate(program.instructions) if x.op not in _SOURCES]
+    computed = [i for i, x in enumerate(program.instructions) if x.op not in SOURCES]
     if len(computed) <= longest:
         return (program,)
     ranges = _ranges(program, computed, longest)
@@ -40,7 +40,7 @@ def cut(program: Program, longest: int = LONGEST_PART) -> tuple[Program, ...]:
     slots = _workspace_slots(program, part_of, len(ranges))
     between = Array(WORKSPACE, (1 + max(slots.values(), default=0),), "SI", "values between the parts")
     return tuple(
-        _Part(program, part_of, slots, between, number).program(values)
+        Part(program, part_of, slots, between, number, is_last=number == len(ranges) - 1).program(values)
         for number, values in enumerate(ranges)
     )
 
@@ -106,15 +106,16 @@ def _last_uses(program: Program, part_of: dict[int, int], parts: int) -> dict[in
     return last
 
 
-class _Part:
-    """Builds the program of one part.
+class Part:
+    """Builds the program of one part of another.
 
     Args:
         program: The whole program.
         part_of: Number of the part of each instruction.
         slots: Slot in the workspace of each value that needs one.
         workspace: The array of the workspace.
-        number: The number of this part, from 0.
+        number: The number of this part, from 0; the first fills what is no computed value.
+        is_last: Whether this part tests the conditions of all outputs.
     """
 
     def __init__(
@@ -124,12 +125,15 @@ class _Part:
         slots: dict[int, int],
         workspace: Array,
         number: int,
+        *,
+        is_last: bool,
     ) -> None:
         self._program = program
         self._part_of = part_of
         self._slots = slots
         self._workspace = workspace
         self._number = number
+        self._is_last = is_last
         self._instructions: list[Instruction] = []
         self._moved: dict[int, int] = {}
 
@@ -139,8 +143,7 @@ class _Part:
             instruction = self._program.instructions[i]
             operands = tuple(self._value(j) for j in instruction.operands)
             self._append(i, replace(instruction, operands=operands))
-        is_last = self._number == max(self._part_of.values())
-        outputs = [self._output(output, is_last) for output in self._program.outputs]
+        outputs = [self._output(output) for output in self._program.outputs]
         kept = [i for i in values if i in self._slots]
         if kept:
             places = tuple(self._slots[i] for i in kept)
@@ -151,12 +154,16 @@ class _Part:
         inputs = tuple(array for array in arrays if array.name in read)
         return check(Program(inputs, tuple(self._instructions), filled))
 
-    def _output(self, output: Output, is_last: bool) -> Output:
+    def place(self, i: int) -> int:
+        """Return the place, in the program of this part, of an instruction of the whole program."""
+        return self._moved[i]
+
+    def _output(self, output: Output) -> Output:
         """Return the elements of an output that this part fills; the first part fills numbers and inputs."""
         own = [(k, i) for k, i in output.elements() if self._part_of.get(i, 0) == self._number]
         values = tuple(self._value(i) for _, i in own)
         existence, accuracy = (
-            tuple(self._value(i) for i in conditions) if is_last else ()
+            tuple(self._value(i) for i in conditions) if self._is_last else ()
             for conditions in (output.exists_if_positive, output.accurate_if_positive)
         )
         return Output(output.array, values, existence, tuple(k for k, _ in own), accuracy)
@@ -165,7 +172,7 @@ class _Part:
         """Return value i of the whole program in this part; the workspace holds those of other parts."""
         if i not in self._moved:
             instruction = self._program.instructions[i]
-            if instruction.op not in _SOURCES:
+            if instruction.op not in SOURCES:
                 name = instruction.name
                 instruction = Instruction(Op.INPUT, array=WORKSPACE, index=self._slots[i], name=name)
             self._append(i, instruction)

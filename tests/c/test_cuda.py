@@ -8,7 +8,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.c import render
-from kanegen.c.cuda import Cuda
+from kanegen.c.cuda import Cuda, teams
 from kanegen.c.formats import formats
 from kanegen.errors import ModelError, OptionError
 from kanegen.options import Variant
@@ -20,6 +20,7 @@ from tests.support.nvrtc import compile_cuda
 from tests.support.pages import files
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
+from tests.support.robots import robot_file
 from tests.support.wasm import bits, inputs_of
 
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
@@ -48,13 +49,13 @@ def results_of_c(source, library, function, inputs, count):
 
 
 def require_same_bits(
-    system, folder, count, outputs=OUTPUTS, compiler="g++", nan=(), target="cuda", **choices
+    system, folder, count, outputs=OUTPUTS, compiler="g++", nan=(), target="cuda", flags=(), **choices
 ):
     """Compare every function on the processor with that of C, outputs and statuses, bit by bit."""
     c = kg.generate(system, outputs, batches=False, **choices)
     library = of_c(c, folder / "c")
     cuda = kg.generate(system, outputs, target=target, **choices)
-    kernels = on_processor(cuda, folder / "cuda", compiler)
+    kernels = on_processor(cuda, folder / "cuda", compiler, *flags)
     of = formats(c.variant).of
     prepared = None
     for function in c.functions:
@@ -114,6 +115,30 @@ def test_long_functions_consist_of_parts(tmp_path):
     system = kg.load(MODELS / "six_revolute_arm.toml")
     require_same_bits(system, tmp_path, 3, ("forward_dynamics",), target=Cuda(longest_part=200))
     assert "__noinline__" in (tmp_path / "cuda" / "six_revolute_arm.cuh").read_text()
+
+
+@pytest.mark.parametrize(("count", "flags"), [(33, ()), (1, ("-DKANEGEN_SHIM_BACKWARDS",))])
+def test_warps_that_share_the_work(tmp_path, monkeypatch, count, flags):
+    """Two warps compute a state together, in either order between barriers; threads may repeat a state."""
+    monkeypatch.setattr(teams, "REGISTER_BYTES", 0)
+    monkeypatch.setattr(teams, "GAIN", 10.0)
+    system = kg.load(MODELS / "satellite.toml")
+    nan = (count - 1,) if count > 1 else ()
+    require_same_bits(system, tmp_path, count, ("forward_dynamics",), nan=nan, flags=flags)
+    assert "satellite_forward_dynamics_warp_2" in (tmp_path / "cuda" / "satellite.cu").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_a_quadruped(tmp_path, precision):
+    """In double precision the values of a quadruped do not fit in the registers of a thread."""
+    system = kg.load(robot_file("go2"), floating_base=True)
+    require_same_bits(system, tmp_path, 33, ("forward_dynamics",), nan=(32,), precision=precision)
+    text = (tmp_path / "cuda" / f"{system.name}.cu").read_text()
+    assert ("forward_dynamics_warp_2" in text) == (precision == "double")
+    files = {path.name: path.read_text() for path in (tmp_path / "cuda").glob("*.cu*")}
+    options = ("--fmad=false", "--ptxas-options=-v")
+    assert not compile_cuda(files, f"{system.name}.cu", "sm_90", *options).messages
 
 
 @pytest.mark.parametrize("count", [0, 1, 31, 128, 257])

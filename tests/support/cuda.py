@@ -95,9 +95,9 @@ def build(folder: Path, output: str, *files: str, compiler: str = "g++", flags: 
     assert result.returncode == 0, result.stderr
 
 
-def on_processor(source: Source, folder: Path, compiler: str = "g++") -> OnProcessor:
+def on_processor(source: Source, folder: Path, compiler: str = "g++", *flags: str) -> OnProcessor:
     """Return the kernels of a source, compiled for the processor in `folder`."""
     source.write(folder)
     name = source.model.name
-    build(folder, f"{name}.so", f"{name}.cu", compiler=compiler, flags=("-shared", "-fPIC"))
+    build(folder, f"{name}.so", f"{name}.cu", compiler=compiler, flags=("-shared", "-fPIC", *flags))
     return OnProcessor(source, ctypes.CDLL(str(folder / f"{name}.so")))

@@ -15,12 +15,22 @@ ALL_FINITE = "kanegen_all_finite"
 
 @dataclass(frozen=True)
 class CudaDialect(Dialect):
-    """Functions for one state, whose arrays are pointers or views with the operator []."""
+    """Functions for one state, whose arrays are pointers or views with the operator [].
+
+    Attributes:
+        barriers: Instructions before which a warp waits for the others of its block.
+    """
+
+    barriers: tuple[int, ...] = ()
 
     @property
     def reserved(self) -> frozenset[str]:
         """Names that no local may take."""
         return super().reserved | {ALL_FINITE, "kanegen_state", "stride", "threadIdx", "blockIdx"}
+
+    def before(self, first: int, last: int) -> list[str]:
+        """Return a barrier for each of `barriers` among some instructions."""
+        return ["    kanegen_barrier();" for place in self.barriers if first <= place <= last]
 
     def all_finite(self, run: Run) -> str:
         """Return the condition that every number in a run of an output array is finite."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.c.cuda.dialect import template
+from kanegen.c.cuda.teams import WARP, Team
 from kanegen.c.declarations import argument_row
 from kanegen.c.formats import Formats
 from kanegen.c.functions import Code, PrintedFunction
@@ -35,6 +36,7 @@ class CudaFunction:
         launcher_arguments: Documentation of the function that launches the kernel.
         launcher_prototype: Its prototype.
         launch: Lines between its braces.
+        team: What each warp of the kernel computes, None where a thread computes a state.
     """
 
     name: str
@@ -49,24 +51,39 @@ class CudaFunction:
     launcher_arguments: list[str]
     launcher_prototype: list[str]
     launch: list[str]
+    team: Team | None
 
 
-def cuda_functions(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> list[CudaFunction]:
+def cuda_functions(
+    render_input: RenderInput, printed: Sequence[PrintedFunction], teams: Mapping[str, Team | None]
+) -> list[CudaFunction]:
     """Return every function of outputs, and `prepare`, in CUDA C++.
 
     Args:
         render_input: Model and precisions, for functions of one state.
         printed: The functions in C, whose bodies device functions have, too.
+        teams: The form for teams of warps, by name of the function, None where a thread computes a state.
     """
     by_state = render_input.parameters_by_state
-    return [_function(one, render_input.formats, () if by_state else SHARED) for one in printed]
+    shared = () if by_state else SHARED
+    return [_function(one, render_input.formats, shared, teams[one.signature.name]) for one in printed]
 
 
-def _function(one: PrintedFunction, formats: Formats, shared: Sequence[str]) -> CudaFunction:
-    """Return a function in CUDA C++; `shared` are the names of arrays that all states have in common."""
+def _function(
+    one: PrintedFunction, formats: Formats, shared: Sequence[str], team: Team | None
+) -> CudaFunction:
+    """Return a function in CUDA C++.
+
+    Args:
+        one: The function in C.
+        formats: Precisions of arrays.
+        shared: Names of arrays that all states have in common.
+        team: Its form for teams of warps, None without.
+    """
     signature = one.signature
     arrays = (*signature.inputs, *signature.outputs)
     arguments = f",{BREAK}".join(f"{array.name}_type {array.name}" for array in arrays)
+    threads, _ = _block(team)
     return CudaFunction(
         name=one.name,
         signature=signature,
@@ -76,16 +93,24 @@ def _function(one: PrintedFunction, formats: Formats, shared: Sequence[str]) -> 
         device_prototype=_lines(f"static __device__ __forceinline__ int {one.name}_device({arguments})"),
         code=one.code,
         kernel_prototype=_lines(
-            f"{_KERNEL}{BREAK}{one.name}_kernel({_kernel_arguments(signature, formats, shared)})"
+            f"{_KERNEL}({threads}){BREAK}{one.name}_kernel({_kernel_arguments(signature, formats, shared)})"
         ),
         device_call=_device_call(one.name, arrays, shared),
         launcher_arguments=_launcher_arguments(one, shared),
         launcher_prototype=_launcher_prototype(one.name, signature, formats, shared),
-        launch=_launch(one.name, signature, shared),
+        launch=_launch(one.name, signature, shared, team),
+        team=team,
     )
 
 
-_KERNEL = f'extern "C" __global__ void{BREAK}__launch_bounds__(KANEGEN_THREADS)'
+_KERNEL = f'extern "C" __global__ void{BREAK}__launch_bounds__'
+
+
+def _block(team: Team | None) -> tuple[str, str]:
+    """Return the numbers of threads and of states of a block."""
+    if team is None:
+        return "KANEGEN_THREADS", "KANEGEN_THREADS"
+    return f"{WARP * len(team.workers)}U", f"{WARP}U"
 
 
 def _lines(text: str) -> list[str]:
@@ -128,12 +153,11 @@ def _device_call(name: str, arrays: Sequence[Array], shared: Sequence[str]) -> l
     return wrap(text, indent=indent, hanging=f"{indent}    ")
 
 
-def _launch(name: str, signature: Function, shared: Sequence[str]) -> list[str]:
+def _launch(name: str, signature: Function, shared: Sequence[str], team: Team | None) -> list[str]:
     """Return the statement that launches a kernel."""
     is_for_all = _is_for_all(signature, shared)
-    launched = (
-        ["1U", "stream", "1U"] if is_for_all else ["KANEGEN_THREADS", "stream", "count", "count", "stride"]
-    )
+    block = _block(team)
+    launched = ["1U", "1U", "stream", "1U"] if is_for_all else [*block, "stream", "count", "count", "stride"]
     arrays = (array.name for array in (*signature.inputs, *signature.outputs))
     values = [f"{name}_kernel", *launched, *arrays, "status"]
     return wrap(f"return kanegen_launch({f',{BREAK}'.join(values)});")

@@ -9,8 +9,8 @@ from kanegen.c.c99 import printed_choices
 from kanegen.c.context import Context, context
 from kanegen.c.cuda.dialect import CudaDialect
 from kanegen.c.cuda.functions import cuda_functions
+from kanegen.c.cuda.teams import WARP, WARPS, team
 from kanegen.c.declarations import not_finite, prepared_places
-from kanegen.c.dialect import Dialect
 from kanegen.c.elementary import ELEMENTARY, elementary_header
 from kanegen.c.functions import printed_functions
 from kanegen.c.interface import PREPARE, Function
@@ -20,7 +20,6 @@ from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.errors import ModelError, OptionError
 from kanegen.model.names import FILES_OF_C
-from kanegen.program.cut import LONGEST_PART
 from kanegen.program.precision import DOUBLE, FLOAT
 
 THREADS = 128
@@ -58,7 +57,7 @@ class Cuda:
     """
 
     name: str = "cuda"
-    longest_part: int = LONGEST_PART
+    longest_part: int = 3200
 
     def require_name(self, name: str) -> None:
         """Refuse the name of a header of the C library.
@@ -71,7 +70,7 @@ class Cuda:
                 f"system name {name!r}: its file would hide another of that name. Choose another name."
             )
 
-    def dialect(self, render_input: RenderInput, function: Function) -> Dialect:
+    def dialect(self, render_input: RenderInput, function: Function) -> CudaDialect:
         """Return the statements of a device function; `prepare` computes at least in double precision."""
         formats = render_input.formats
         arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
@@ -98,6 +97,7 @@ class Cuda:
     def _context(self, one_state: RenderInput) -> Context:
         """Return the variables of the templates, from the input for functions of one state."""
         printed = printed_functions(one_state, self)
+        teams = {f.name: team(one_state, f, self.dialect(one_state, f)) for f in one_state.programs}
         variables = context(
             one_state.model, one_state.functions, one_state.outputs, one_state.operations, one_state.variant
         )
@@ -118,7 +118,7 @@ class Cuda:
         return {
             **variables,
             "choices": printed_choices(one_state, printed),
-            "functions": cuda_functions(one_state, printed),
+            "functions": cuda_functions(one_state, printed, teams),
             "nomenclature": nomenclature(printed),
             "prepared_places": prepared_places(one_state.model, one_state.prepared),
             "shared": {name for function in one_state.functions for name in function.shared},
@@ -126,6 +126,8 @@ class Cuda:
             "bits": textwrap.wrap(_about_bits(one_state), WIDTH),
             "numbers": NUMBERS,
             "threads": THREADS,
+            "warp": WARP,
+            "warps": WARPS,
             "numeric": numeric,
             "headers": list(numeric),
             "device": True,
