@@ -51,7 +51,7 @@ class Target:
 
 
 WIDTHS = ("-O2 -DKANEGEN_LANES=1", "-O2 -DKANEGEN_LANES=8")
-NATIVE = ("-O0", "-O1", "-O2", "-O3", "-Os", "-O3 -march=native", *WIDTHS)
+NATIVE = ("-O0", "-O1", "-O2", "-O3", "-Os", "-O3 -march=native -fno-tree-slp-vectorize", *WIDTHS)
 
 TARGETS = (
     Target("gcc, x86-64", "gcc", levels=NATIVE),

@@ -78,6 +78,7 @@ def _programs() -> dict[str, Program]:
     return {
         program.command: program
         for program in (
+            Program("aarch64-linux-gnu-gcc", ("gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross")),
             Program("arm-none-eabi-gcc", cortex),
             Program("avr-gcc", ("gcc-avr", "avr-libc", "arduino-core-avr")),
             Program("cargo", ("cargo",)),
@@ -86,7 +87,9 @@ def _programs() -> dict[str, Program]:
             Program("node", ("nodejs",)),
             Program("npm", ("npm",)),
             Program("octave", ("octave",)),
+            Program("qemu-aarch64", ("qemu-user",)),
             Program("qemu-system-arm", ("qemu-system-arm",)),
+            Program("qemu-x86_64", ("qemu-user",)),
             Program("rustup", ("rustup",)),
             Program("simavr", ("simavr",)),
             Program("wine", ("wine", "wine64")),
