@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kanegen.studies.bench import BenchOptions, Comparison
     from kanegen.studies.bench.against import Verdict
 
-DEFAULT_PEERS = ["pinocchio", "casadi", "mujoco", "pydy"]
+DEFAULT_PEERS = ["pinocchio", "pinocchio-code", "casadi", "mujoco", "dynibo", "frax", "pydy"]
 """The peers that take part where the command line names none: all of them."""
 
 
@@ -42,7 +42,8 @@ def bench(
         list[str],
         typer.Option(
             metavar="NAME",
-            help="Time this peer (repeatable): pinocchio, casadi, mujoco, pydy.",
+            help="Time this peer (repeatable): pinocchio, pinocchio-code, casadi, mujoco, dynibo, frax, "
+            "pydy.",
         ),
     ] = DEFAULT_PEERS,
     output: Annotated[
@@ -72,7 +73,7 @@ def bench(
     right_angles: RightAngles = AS_WRITTEN,
     lock: Lock = None,
 ) -> None:
-    """Time the C for MODEL beside Pinocchio, CasADi, MuJoCo and SymPy with PyDy.
+    """Time the C for MODEL beside Pinocchio, CasADi, MuJoCo, dynibo, frax and SymPy with PyDy.
 
     All programs compute the same states; their results must agree before they are timed in turns, and the
     exit status is 1 if some do not. `pip install 'kanegen[bench]'` installs the peers; a missing one is named

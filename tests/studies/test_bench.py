@@ -27,7 +27,7 @@ from kanegen.studies.bench import settings as settings_module
 from kanegen.studies.bench.compare import evaluate
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON, Absence, Comparison, Entry
 from kanegen.studies.bench.participant import Participant
-from kanegen.studies.bench.peers import kanegen_peer, pydy_peer
+from kanegen.studies.bench.peers import dynibo_peer, kanegen_peer, pydy_peer
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.peers.registry import participants
 from kanegen.studies.bench.results import (
@@ -76,12 +76,13 @@ def with_driver(code: str, tmp_path: Path) -> Participant:
 
 @pytest.fixture
 def nothing_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Hide all packages of peers."""
+    """Hide all packages of peers, and cargo."""
 
     def files(name: str) -> None:
         raise metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(dynibo_peer, "cargo", lambda: None)
     monkeypatch.setattr(metadata, "files", files)
 
 
@@ -210,9 +211,12 @@ def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path)
 def test_missing_peers_are_named_and_left_out(tmp_path: Path) -> None:
     present, absences = participants(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)
     assert {participant.name for participant in present} == {KANEGEN, PYTHON}
-    assert {absence.name for absence in absences} == {"Pinocchio", "CasADi", "MuJoCo", "SymPy + PyDy"}
-    for absence in absences:
-        assert absence.reason.endswith("is not installed (pip install 'kanegen[bench]')")
+    reasons = {absence.name: absence.reason for absence in absences}
+    assert reasons.pop("dynibo") == "there is no cargo, which builds it (https://rustup.rs)"
+    packages = {"Pinocchio", "Pinocchio, CppADCodeGen", "CasADi", "MuJoCo", "SymPy + PyDy", "frax"}
+    assert set(reasons) == packages
+    for reason in reasons.values():
+        assert reason.endswith("is not installed (pip install 'kanegen[bench]')")
 
 
 @pytest.mark.usefixtures("nothing_installed")

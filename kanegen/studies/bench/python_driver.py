@@ -35,18 +35,22 @@ def main() -> None:
 
 
 def results(libraries: Libraries, states: ActuatedStates) -> Results:
-    """Compute all states, one in each call."""
+    """Compute all states, one in each call and all in one call."""
     rows = list(zip(states.x, states.y, states.tau, strict=True))
     equations = [libraries[EQUATIONS].evaluate(x, y) for x, y, _ in rows]
     dynamics = [libraries[DYNAMICS].forward_dynamics(x, y, tau) for x, y, tau in rows]
+    together = libraries[EQUATIONS].evaluate(states.x, states.y)
+    batch = libraries[DYNAMICS].forward_dynamics(states.x, states.y, states.tau)
     return {
         EQUATIONS: np.array([np.vstack([e.mass_matrix, e.forcing]) for e in equations]),
         DYNAMICS: np.array(dynamics)[:, None, :],
+        f"{EQUATIONS} batch": np.concatenate([together.mass_matrix, together.forcing[:, None]], axis=1),
+        f"{DYNAMICS} batch": batch[:, None, :],
     }
 
 
 def times(libraries: Libraries, states: ActuatedStates, seconds: float) -> dict[str, float]:
-    """Time both tasks; returns nanoseconds of one call by name of the task."""
+    """Time all tasks; returns nanoseconds of one state by name of the task."""
     evaluate = libraries[EQUATIONS].evaluate
     forward_dynamics = libraries[DYNAMICS].forward_dynamics
     pairs = [(x, y) for x, y in zip(states.x, states.y, strict=True)]
@@ -60,12 +64,17 @@ def times(libraries: Libraries, states: ActuatedStates, seconds: float) -> dict[
         for x, y, tau in triples:
             forward_dynamics(x, y, tau)
 
-    count = len(pairs)
-    return {EQUATIONS: _mean(equations, seconds) / count, DYNAMICS: _mean(dynamics, seconds) / count}
+    tasks: dict[str, Callable[[], object]] = {
+        EQUATIONS: equations,
+        DYNAMICS: dynamics,
+        f"{EQUATIONS} batch": lambda: evaluate(states.x, states.y),
+        f"{DYNAMICS} batch": lambda: forward_dynamics(states.x, states.y, states.tau),
+    }
+    return {task: mean(run, seconds) / len(pairs) for task, run in tasks.items()}
 
 
-def _mean(run: Callable[[], None], seconds: float) -> float:
-    """Return the mean nanoseconds of a pass over about `seconds`, after one pass to warm up."""
+def mean(run: Callable[[], object], seconds: float) -> float:
+    """Return the mean nanoseconds of a call over about `seconds`, after one call to warm up."""
     run()
     passes, start = 0, time.perf_counter()
     while (elapsed := time.perf_counter() - start) < seconds or not passes:

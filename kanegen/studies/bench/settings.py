@@ -65,7 +65,10 @@ AS_SHIPPED = _setting("as shipped", "-O2")
 """The setting of drivers for a library that is installed in compiled form, and chooses instructions
 itself."""
 
-SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2, AS_SHIPPED)
+COMPILED_BY_XLA = Setting("compiled by XLA", (), widest())
+"""The setting of functions that JAX compiles for this processor while the program runs."""
+
+SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2, AS_SHIPPED, COMPILED_BY_XLA)
 """All settings, in the order of the documentation."""
 
 

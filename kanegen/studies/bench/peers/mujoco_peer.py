@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree as xml
 
@@ -22,7 +22,8 @@ from kanegen.model.system import System
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.joints import HERE, KINDS, Joint, Placement, single_joints
-from kanegen.studies.bench.peers.problem import SINGLE_STATE_TASKS, Builders, Problem
+from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, SINGLE_STATE_TASKS, Builders, Problem
+from kanegen.studies.bench.results import BY_DIFFERENCES, Task
 from kanegen.studies.bench.settings import AS_SHIPPED
 
 MUJOCO = "MuJoCo"
@@ -41,10 +42,18 @@ def _build(problem: Problem) -> list[Participant]:
     flags = (*AS_SHIPPED.flags, f"-I{folder / 'include'}")
     libraries = (str(library), f"-Wl,-rpath,{library.parent}", "-lm")
     program = compiled("mujoco", {"mujoco.c": driver("mujoco.c")}, flags, libraries)
-    model = problem.write("model.xml", mjcf(problem.system))
-    return [
-        Participant(MUJOCO, AS_SHIPPED, (str(program),), problem.states_file, SINGLE_STATE_TASKS, (model,))
-    ]
+    command, states = (str(program),), problem.states_file
+    model = problem.write("model.xml", mjcf(problem.system, problem.has_derivatives))
+    arguments: tuple[str, ...] = (model,)
+    tasks: tuple[Task, ...] = SINGLE_STATE_TASKS
+    if problem.has_derivatives:
+        arguments, tasks = (model, "derivatives"), (*tasks, *map(_by_differences, DERIVATIVES_TASKS))
+    return [Participant(MUJOCO, AS_SHIPPED, command, states, tasks, arguments)]
+
+
+def _by_differences(task: Task) -> Task:
+    """Return the task that approximates derivatives by differences."""
+    return replace(task, tolerance=BY_DIFFERENCES)
 
 
 def mujoco_library(folder: Path) -> Path:
@@ -55,7 +64,7 @@ def mujoco_library(folder: Path) -> Path:
     return found[0]
 
 
-_DISABLED = ("constraint", "contact", "actuation", "sensor", "spring", "damper", "island")
+_DISABLED = ("constraint", "contact", "sensor", "spring", "damper", "island")
 """Features of MuJoCo that a tree of rigid bodies does not need."""
 
 
@@ -72,8 +81,12 @@ class Link:
     joints: tuple[Joint, ...]
 
 
-def mjcf(system: System) -> str:
+def mjcf(system: System, motors: bool = False) -> str:
     """Return the system as MuJoCo's XML; the name of a joint is the index of its coordinate in {x}.
+
+    Args:
+        system: The model.
+        motors: Whether every joint has a motor, whose force is added to the others where MuJoCo makes a step.
 
     Raises:
         MissingError: If a body that moves has no mass.
@@ -81,10 +94,17 @@ def mjcf(system: System) -> str:
     root = xml.Element("mujoco")
     xml.SubElement(root, "compiler", angle="radian", autolimits="false", inertiafromgeom="false")
     option = xml.SubElement(root, "option", gravity=_words(system.values().gravity))
-    xml.SubElement(option, "flag", dict.fromkeys(_DISABLED, "disable"))
+    xml.SubElement(
+        option, "flag", dict.fromkeys(_DISABLED if motors else (*_DISABLED, "actuation"), "disable")
+    )
     elements = [xml.SubElement(root, "worldbody")]
     for link in links(single_joints(system)):
         elements.append(_body(elements[link.parent], link))
+    if motors:
+        names = [joint.attrib["name"] for joint in root.iter("joint")]
+        actuator = xml.SubElement(root, "actuator")
+        for name in names:
+            xml.SubElement(actuator, "motor", joint=name)
     return xml.tostring(root, encoding="unicode")
 
 

@@ -13,14 +13,26 @@ from kanegen.model.system import System
 from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.comparison import Absence
 from kanegen.studies.bench.participant import Participant
-from kanegen.studies.bench.peers import casadi_peer, kanegen_peer, mujoco_peer, pinocchio_peer, pydy_peer
+from kanegen.studies.bench.peers import (
+    casadi_peer,
+    dynibo_peer,
+    frax_peer,
+    kanegen_peer,
+    mujoco_peer,
+    pinocchio_code_peer,
+    pinocchio_peer,
+    pydy_peer,
+)
 from kanegen.studies.bench.peers.problem import Builders, Problem
 from kanegen.studies.bench.states import write_states
 
 PEERS: dict[str, Callable[[Problem], Builders]] = {
     "pinocchio": pinocchio_peer.builders,
+    "pinocchio-code": pinocchio_code_peer.builders,
     "casadi": casadi_peer.builders,
     "mujoco": mujoco_peer.builders,
+    "dynibo": dynibo_peer.builders,
+    "frax": frax_peer.builders,
     "pydy": pydy_peer.builders,
 }
 """The builders of every peer by its name on the command line."""
