@@ -67,9 +67,9 @@ MethodName = Annotated[
     typer.Option(
         "--method",
         metavar="NAME",
-        help="RK4, euler, semi_implicit_euler, leapfrog, implicit_midpoint, variational_midpoint or "
-        "linearly_implicit with a step; DOP853 or Radau, for stiff systems, with a tolerance. By default "
-        "RK4 with a step, and DOP853 without.",
+        help="RK4, euler, semi_implicit_euler, leapfrog, implicit_midpoint, variational_midpoint, "
+        "linearly_implicit or extrapolation with a step; DOP853 or Radau, for stiff systems, with a "
+        "tolerance. By default RK4 with a step, and DOP853 without.",
     ),
 ]
 LargestStep = Annotated[float | None, typer.Option("--step", metavar="S", help="Largest fixed step, s.")]

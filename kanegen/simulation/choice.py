@@ -9,6 +9,7 @@ import numpy as np
 
 from kanegen.extras import is_installed
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.simulation.extrapolation import EVALUATIONS
 from kanegen.simulation.growth import Growth, growth_of, prefix_end
 from kanegen.simulation.methods import Method
 from kanegen.simulation.promise import FOR_DIGITS, Promise
@@ -25,14 +26,20 @@ FIRST_STEPS = 64
 MOST_IN_C = 10_000_000
 """Largest number of evaluations of a motion in C."""
 
-DEAR = MOST_IN_C // 10
-"""Number of evaluations in C from which on a method of higher order is tried, too."""
+MOST_WITH_INPUTS = 400_000
+"""Largest number of evaluations of a motion in C whose inputs are sampled in Python."""
+
+DEAR = 0.1
+"""Share of these numbers of evaluations from which on a method of higher order is tried, too."""
 
 PILOT_STEPS = 2**15
 """Number of steps in C of the motion by which the growth of differences is measured."""
 
 MOST_IN_PYTHON = 400_000
 """Largest number of evaluations of a motion with a call of the library for each."""
+
+MOST_TO_CHECK = MOST_IN_PYTHON // 8
+"""Largest number of evaluations of a motion by which another one is checked."""
 
 PRICE = 50.0
 """Time of an evaluation that is called from Python over that of one in C, of a small model: about."""
@@ -87,6 +94,7 @@ class Problem:
         precisions: Precisions of states that can be had, the first one first.
         in_c: Whether fixed steps run in C.
         finest: Largest first step that sees all that acts, s.
+        acts: Whether something acts from outside.
     """
 
     solve: Solve
@@ -96,6 +104,14 @@ class Problem:
     precisions: Sequence[str]
     in_c: bool
     finest: float = np.inf
+    acts: bool = False
+
+    @property
+    def most(self) -> int:
+        """Largest number of evaluations of a motion by fixed steps."""
+        if not self.in_c:
+            return MOST_IN_PYTHON
+        return MOST_WITH_INPUTS if self.acts else MOST_IN_C
 
     def solution(self, method: Method, precision: str) -> Solution:
         """Return the motion by a method; NaN where it breaks off."""
@@ -121,7 +137,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Found:
-    """The method that was chosen, and a finer one.
+    """A method, its coarsest motion that keeps the error longest, and a finer one.
 
     Attributes:
         chosen: The coarsest motion that keeps the error longest.
@@ -150,8 +166,9 @@ def choose(problem: Problem, asked: float) -> tuple[Method, str, Promise]:
     until = growth.kept_until(FOR_DIGITS[precision], asked)
     count = max(int(np.searchsorted(problem.times, until, "right")), min(len(problem.times), 2))
     part = replace(problem, times=problem.times[:count])
-    found = _found(part, precision, growth, asked)
-    return found.chosen.method, precision, _promise(part, found, growth, asked)
+    found, others = _found(part, precision, growth, asked)
+    reference = _reference(part, found, others, growth, asked)
+    return found.chosen.method, precision, _promise(part, found, reference, growth, asked)
 
 
 def _precision(problem: Problem, growth: Growth, asked: float) -> str:
@@ -172,20 +189,20 @@ def _pilot(problem: Problem) -> Solution:
         PILOT_STEPS if problem.in_c else FIRST_STEPS * 16,
     )
     found = problem.solution(Method("RK4", span / steps), precision)
-    while not np.isfinite(found.states).all() and 4 * steps < (MOST_IN_C if problem.in_c else MOST_IN_PYTHON):
+    while not np.isfinite(found.states).all() and 4 * steps < problem.most:
         steps *= 8
         found = problem.solution(Method("RK4", span / steps), precision)
     return found
 
 
-def _found(problem: Problem, precision: str, growth: Growth, asked: float) -> Found:
-    """Return the cheapest method in a precision among those that keep the error longest."""
+def _found(problem: Problem, precision: str, growth: Growth, asked: float) -> tuple[Found, Sequence[Found]]:
+    """Return the cheapest method in a precision among those that keep the error longest, and the others."""
     found: list[Found] = []
     adaptive = precision == "double" and problem.start.ndim == 1 and is_installed("scipy")
     if problem.in_c or not adaptive:
-        most = MOST_IN_C if problem.in_c else MOST_IN_PYTHON
-        found.append(_coarsest(problem, _halved(problem, precision, most), asked, 4.0))
-    is_enough = bool(found) and _keeps(problem, found[0], asked) and found[0].chosen.evaluations < DEAR
+        found.append(_coarsest(problem, _halved(problem, precision, problem.most), asked, 4.0))
+    is_cheap = bool(found) and found[0].chosen.evaluations < DEAR * problem.most
+    is_enough = is_cheap and _keeps(problem, found[0], asked)
     if adaptive and not (is_enough or (found and growth.is_chaotic)):
         found.append(_coarsest(problem, _tightened(problem, "DOP853", asked), asked, 8.0))
         if _is_stiff(found[-1]):
@@ -198,7 +215,8 @@ def _found(problem: Problem, precision: str, growth: Growth, asked: float) -> Fo
         price = one.chosen.evaluations * (1 if in_c else PRICE)
         return -prefix_end(problem.times, errors, asked * SAFETY), price
 
-    return min(found, key=rank)
+    best = min(found, key=rank)
+    return best, [one for one in found if one is not best]
 
 
 def _is_stiff(found: Found) -> bool:
@@ -267,27 +285,28 @@ def _growth(problem: Problem, pilot: Solution) -> Growth:
     return growth_of(problem.times, largest, change)
 
 
-def _promise(problem: Problem, found: Found, growth: Growth, asked: float) -> Promise:
+def _promise(problem: Problem, found: Found, reference: Solution, growth: Growth, asked: float) -> Promise:
     """Return what is known about the error of a chosen method.
 
     Args:
         problem: The motion, up to the time until which rounding allows the error.
         found: The method.
+        reference: The motion with which it is compared.
         growth: The growth of differences up to the last time of the whole motion.
         asked: The error that is asked for.
     """
     chosen = found.chosen
-    reference = _reference(problem, found, growth, asked)
     errors = problem.differences(chosen.states, reference.states)
     until = prefix_end(problem.times, errors, asked)
     rounding = FOR_DIGITS[chosen.precision] * float(growth.factors[-1])
     shown = str(reference.method)
+    shown = shown if reference.precision == "double" else f"{shown}, {reference.precision}"
     return Promise(
         asked=asked,
         error=float(errors[problem.times <= until].max()),
         kept_until=until,
         end=float(growth.times[-1]),
-        measured_by=shown if reference.precision == "double" else f"{shown}, {reference.precision}",
+        measured_by=shown if reference.method.name != chosen.method.name else f"the same method, {shown}",
         precision=chosen.precision,
         evaluations=chosen.evaluations,
         rounding=rounding,
@@ -296,13 +315,58 @@ def _promise(problem: Problem, found: Found, growth: Growth, asked: float) -> Pr
     )
 
 
-def _reference(problem: Problem, found: Found, growth: Growth, asked: float) -> Solution:
-    """Return the motion by which the error is measured: by another method where one is accurate enough."""
+def _reference(
+    problem: Problem, found: Found, others: Sequence[Found], growth: Growth, asked: float
+) -> Solution:
+    """Return the motion by which the error is measured: by another method where one is accurate enough.
+
+    Fixed steps are compared with DOP853, adaptive ones with LSODA, a multistep method of ODEPACK, and what
+    SciPy does not compute, such as long double, with extrapolated steps. Where none of these is accurate
+    enough in a bounded number of evaluations, it is a finer motion by the same method.
+    """
     chosen = found.chosen
     tolerance = 0.01 * asked / float(growth.factors[len(problem.times) - 1])
     can = chosen.precision == "double" and problem.start.ndim == 1 and is_installed("scipy")
-    if chosen.method.step is None or not can or tolerance < TOLERANCES[-1]:
-        return found.finer
-    other = problem.solution(Method("DOP853", tolerance=min(tolerance, 1e-6)), "double")
-    agrees = problem.differences(other.states, found.finer.states) <= asked
-    return other if agrees.all() or other.evaluations < MOST_IN_PYTHON else found.finer
+    if chosen.method.step is not None and can and tolerance >= TOLERANCES[-1]:
+        other = problem.solution(Method("DOP853", tolerance=min(tolerance, 1e-6)), "double")
+        agrees = problem.differences(other.states, found.finer.states) <= asked
+        if agrees.all() or other.evaluations < MOST_IN_PYTHON:
+            return other
+    tried = (one.finer for one in others if _keeps(problem, one, asked))
+    checks = _multistep(problem, tolerance) if chosen.method.step is None else _extrapolated(problem, chosen)
+    return next(tried, None) or _settled(problem, checks, found.finer, asked) or found.finer
+
+
+def _settled(
+    problem: Problem, solutions: Iterator[Solution], known: Solution, asked: float
+) -> Solution | None:
+    """Return the first of ever finer motions that agrees with a known one, or with the one before.
+
+    To agree is to differ by at most a tenth of the error that is asked for. None is returned where none does.
+    """
+    before = known
+    for fine in solutions:
+        for other in (known, before):
+            if (problem.differences(fine.states, other.states) <= 0.1 * asked).all():
+                return fine
+        before = fine
+    return None
+
+
+def _multistep(problem: Problem, tolerance: float) -> Iterator[Solution]:
+    """Yield motions by LSODA, each with a hundredth of the tolerance of the one before."""
+    tolerances = {max(factor * tolerance, TOLERANCES[-1]) for factor in (1.0, 1e-2, 1e-4)}
+    for one in sorted(tolerances, reverse=True):
+        yield problem.solution(Method("LSODA", tolerance=min(one, 1e-6)), "double")
+
+
+def _extrapolated(problem: Problem, chosen: Solution) -> Iterator[Solution]:
+    """Yield motions by extrapolated steps, each with half the step of the one before.
+
+    No step is longer than the largest interval between two times, so that halving changes it.
+    """
+    span = float(problem.times[-1] - problem.times[0])
+    step = min(span * EVALUATIONS / chosen.evaluations, float(np.diff(problem.times).max()), problem.finest)
+    while EVALUATIONS * span / step < MOST_TO_CHECK:
+        yield problem.solution(Method("extrapolation", step, compensated=True), chosen.precision)
+        step /= 2

@@ -12,6 +12,7 @@ from kanegen.errors import MissingError, ModelError, OptionError, quoted
 from kanegen.extras import is_installed
 from kanegen.model.numbers import finite
 from kanegen.simulation.compiled_steps import CompiledSteps, why_not_in_c
+from kanegen.simulation.extrapolation import extrapolation
 from kanegen.simulation.integration import (
     Leapfrog,
     Step,
@@ -30,6 +31,7 @@ FIXED: dict[str, Callable[[], Step]] = {
     "semi_implicit_euler": lambda: semi_implicit_euler,
     "leapfrog": Leapfrog,
     "implicit_midpoint": lambda: implicit_midpoint,
+    "extrapolation": lambda: extrapolation,
 }
 """Functions that return the step of each method with fixed steps."""
 

@@ -22,6 +22,9 @@ from kanegen.simulation.motion import Motion
 EXTRA = "study"
 """The extra that installs SciPy."""
 
+FOLLOWING_TURNS = ("DOP853", "Radau")
+"""Solvers of SciPy whose largest step may change on the way; others get one for the whole motion."""
+
 _SLACK = 1e-9
 """Relative excess of a step over the largest step that is ignored, so that rounding adds no step."""
 
@@ -235,8 +238,9 @@ class AdaptiveSteps:
             SingularError: If the solver fails.
         """
         kind = getattr(module("scipy.integrate", extra=EXTRA), self.method)
-        solver = kind(self.motion, begin, state, end, rtol=self.tolerance, atol=self.tolerance)
         turns = self.motion.inputs.turns
+        options = {} if self.method in FOLLOWING_TURNS else {"max_step": min(turns.finest, turns.longest)}
+        solver = kind(self.motion, begin, state, end, rtol=self.tolerance, atol=self.tolerance, **options)
         while solver.status == "running":
             solver.max_step = turns.step_from(solver.t)
             message = solver.step()

@@ -28,6 +28,9 @@ FINER = 2**4
 _SMALL = 1e-11
 """Share of the largest value below which a difference counts as none."""
 
+_PASSING = 16
+"""Multiple of the difference that counts as none below which one is close to a zero of a smooth signal."""
+
 _MOVED = (0.0, 0.5)
 """What is added to all variables of the first state, so that a factor that is zero there hides nothing."""
 
@@ -55,9 +58,12 @@ class Turns:
 
     @property
     def finest(self) -> float:
-        """Smallest interval between two turns, s, but at least four samples; infinite without turns."""
+        """Smallest interval between two turns, s, where those within four samples of another count as one.
+
+        It is infinite where there are no two.
+        """
         gaps = np.diff(self.times)
-        return max(float(gaps.min()), 4 * self.sampling) if len(gaps) else np.inf
+        return float(np.min(gaps[gaps > 3.5 * self.sampling], initial=np.inf))
 
 
 NO_TURNS = Turns(np.empty(0))
@@ -143,8 +149,26 @@ def _turning(times: Doubles, values: Doubles) -> np.ndarray:
     first = np.diff(values)
     roundoff = np.finfo(np.float64).eps * np.abs(times[[0, -1]]).max() / (times[1] - times[0])
     small = _SMALL + 8 * roundoff * np.abs(first).max()
-    slopes, bends = (np.where(np.abs(one) > small, np.sign(one), 0.0) for one in (first, np.diff(first)))
+    slopes, bends = (_signs(one, small) for one in (first, np.diff(first)))
     found = np.zeros(len(values), np.bool_)
     found[1:-1] |= slopes[1:] != slopes[:-1]
     found[2:-1] |= bends[1:] != bends[:-1]
     return found
+
+
+def _signs(differences: Doubles, small: float) -> Doubles:
+    """Return the signs of differences, 0 for small ones, unless these pass from one sign to the other.
+
+    Where a smooth signal has an extremum or an inflection, its differences are small on both sides of it; so
+    there is one change of the sign, in the middle, and not a change to 0 and another from 0.
+    """
+    signs = np.where(np.abs(differences) > small, np.sign(differences), 0.0)
+    is_zero = np.concatenate([[False], signs == 0, [False]])
+    begins, ends = np.flatnonzero(np.diff(is_zero.astype(np.int8))).reshape(-1, 2).T
+    inner = (begins > 0) & (ends < len(signs))
+    for begin, end in zip(begins[inner].tolist(), ends[inner].tolist(), strict=True):
+        sides = differences[[begin - 1, end]]
+        if sides[0] * sides[1] < 0 and np.abs(sides).max() < _PASSING * small:
+            middle = (begin + end + 1) // 2
+            signs[begin:middle], signs[middle:end] = np.sign(sides)
+    return signs

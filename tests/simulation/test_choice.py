@@ -13,9 +13,11 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import kanegen as kg
+from kanegen.simulation import choice
 from kanegen.simulation.growth import growth_of
 from tests.support.command import kanegen
 from tests.support.moving_pendulum import GRAVITY, pendulum
+from tests.support.oscillator import oscillator
 from tests.support.paths import MODELS
 
 UPRIGHT = math.pi / 2
@@ -58,6 +60,38 @@ def test_the_error_is_kept_and_measured(asked: float, is_library: bool) -> None:
     assert not promise.growth.is_chaotic
     assert promise.next_digit == pytest.approx(10 ** (1 / (8 if is_library else 4)))
     assert f"asked for {asked:g}" in str(promise)
+
+
+@pytest.mark.parametrize("scipy", [True, False])
+def test_what_depends_on_the_state_is_measured_by_another_method(
+    scipy: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mass that an input pulls back as a spring does: x = cos t."""
+    monkeypatch.setattr(choice, "is_installed", lambda name: scipy)
+    library = kg.build(oscillator(0.0), ("forward_dynamics",))
+    inputs = {"slider.s1": "-x.slider.s1"}
+    motion = kg.simulate(library, [1.0], [0.0], 12.0, error=1e-7, inputs=inputs)
+    promise = motion.promise
+    assert promise is not None and promise.is_kept
+    assert motion.method.startswith("DOP853" if scipy else "RK4")
+    assert promise.measured_by.startswith("LSODA" if scipy else "extrapolation, step 0.0")
+    true = max(
+        np.abs(motion.x[:, 0] - np.cos(motion.times)).max(),
+        np.abs(motion.y[:, 0] + np.sin(motion.times)).max(),
+    )
+    assert promise.error == pytest.approx(true, abs=0.1 * promise.asked)
+
+
+def test_what_acts_at_known_times_runs_in_c_and_is_measured_by_scipy() -> None:
+    """x'' = sin t from rest: x = t - sin t, y = 1 - cos t."""
+    motion = kg.simulate(oscillator(0.0), None, None, 12.0, error=1e-7, inputs={"slider.s1": "sin(t)"})
+    promise = motion.promise
+    assert promise is not None and promise.is_kept
+    assert motion.method == "RK4, step 0.06 s, compensated" and promise.measured_by.startswith("DOP853")
+    exact = np.stack([motion.times - np.sin(motion.times), 1 - np.cos(motion.times)])
+    found = np.stack([motion.x[:, 0], motion.y[:, 0]])
+    true = (np.abs(found - exact).max(axis=1) / exact.max(axis=1)).max()
+    assert promise.error == pytest.approx(true, rel=0.1)
 
 
 def test_an_error_that_only_a_higher_precision_keeps_chooses_it() -> None:
