@@ -12,8 +12,11 @@ from dataclasses import dataclass
 from kanegen.c.usage import live
 from kanegen.program.ir import WORKSPACE, Op, Program
 
-FEWEST = 6
-"""Number of angles from which the vector form is faster."""
+FEWEST = 4
+"""Number of angles from which the vector form is faster: two or three do not fill vectors of four numbers."""
+
+SPREAD = 2
+"""Elements for each angle up to which the vector form is no slower with two lanes, whatever lies between."""
 
 FEW = 8
 """Number of angles up to which vectors of four numbers answer sooner than wider ones."""
@@ -68,7 +71,7 @@ class VectorSincos:
 
 
 def vector_sincos(program: Program) -> VectorSincos | None:
-    """Return the sines and cosines to compute at once; None if there are fewer than `FEWEST`."""
+    """Return the sines and cosines to compute at once; None if there are too few near each other."""
     angles: dict[str, set[int]] = {}
     for i in live(program):
         instruction = program.instructions[i]
@@ -77,6 +80,7 @@ def vector_sincos(program: Program) -> VectorSincos | None:
             if angle.op is Op.INPUT and angle.array != WORKSPACE:
                 angles.setdefault(angle.array, set()).add(angle.index)
     for array, indices in angles.items():
-        if len(indices) >= FEWEST:
-            return VectorSincos(array, min(indices), max(indices) + 1)
+        found = VectorSincos(array, min(indices), max(indices) + 1)
+        if len(indices) >= FEWEST and found.count <= SPREAD * len(indices):
+            return found
     return None
