@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 from kanegen.c.layout import BREAK, HINGE
 from kanegen.program.ir import ARITY, Op
@@ -26,8 +25,7 @@ class Level(IntEnum):
     ATOM = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Expression:
+class Expression(NamedTuple):
     """A C expression.
 
     Attributes:
@@ -43,7 +41,7 @@ class Expression:
     operations: int = 0
 
     def __neg__(self) -> Expression:
-        return replace(self, negative=not self.negative)
+        return self._replace(negative=not self.negative)
 
     def __str__(self) -> str:
         return f"-{_bracketed(self, Level.PRODUCT)}" if self.negative else self.text
@@ -64,9 +62,9 @@ def converted(expression: Expression, source: Precision, target: Precision) -> E
     if source is target:
         return expression
     if target is DOUBLE_DOUBLE:
-        return replace(expression, text=f"dd_of({expression.text})", level=Level.ATOM)
+        return expression._replace(text=f"dd_of({expression.text})", level=Level.ATOM)
     if source is DOUBLE_DOUBLE:
-        return replace(expression, text=f"dd_rounded({expression.text})", level=Level.ATOM)
+        return expression._replace(text=f"dd_rounded({expression.text})", level=Level.ATOM)
     return cast(target.c_type, expression)
 
 
@@ -121,7 +119,7 @@ class DoubleDoubleNotation(Notation):
         """Return an expression without a sign, which becomes a call."""
         if not expression.negative:
             return expression
-        return replace(expression, text=f"dd_negate({expression.text})", negative=False)
+        return expression._replace(text=f"dd_negate({expression.text})", negative=False)
 
     def positive(self, text: str) -> str:
         """Return the condition that a value is positive."""
@@ -135,7 +133,7 @@ class DoubleDoubleNotation(Notation):
 
     def product(self, op: Op, a: Expression, b: Expression) -> Expression:
         """Return the product or the quotient of a and b."""
-        return replace(self._call(op.value, a, b), negative=a.negative != b.negative)
+        return self._call(op.value, a, b)._replace(negative=a.negative != b.negative)
 
     def _call(self, name: str, a: Expression, b: Expression) -> Expression:
         text = f"{self._precision.c_function(name)}({a.text},{BREAK}{b.text})"

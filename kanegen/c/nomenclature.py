@@ -97,6 +97,8 @@ def _scalar_lines(function: PrintedFunction) -> Iterable[str]:
 def _declares(lines: str, name: str) -> bool:
     """Return whether the printer's own name occurs; of several names, the first."""
     first = name.partition(",")[0]
+    if f"{first}[" not in lines and f"{first} = " not in lines:  # much sooner said than by the expression
+        return False
     return re.search(rf"^ +[\w ,=]*\b{first}(\[| = )", lines, flags=re.MULTILINE) is not None
 
 

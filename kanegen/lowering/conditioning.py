@@ -14,11 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from kanegen.lowering.compilation import Candidate, Request
-from kanegen.lowering.losses import Losses, array_inputs, largest_losses
+from kanegen.lowering.losses import KEPT, Losses, array_inputs, largest_losses
 from kanegen.lowering.lower import lower
 from kanegen.model.arrays import Floats
 from kanegen.model.body import Body
@@ -36,7 +37,7 @@ from kanegen.recursion.outputs import OUTPUTS, accurately_solved, prerequisites,
 from kanegen.recursion.pivot_margins import PivotLimits
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
-from kanegen.reference.states import States, ranges
+from kanegen.reference.states import ranges
 
 LARGEST_ACCEPTED_ERROR = 2.0**13
 """Largest error, in unit roundoffs, of a result without a status."""
@@ -102,8 +103,7 @@ def condition(request: Request) -> tuple[Candidate, ...]:
         return tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in ways)
     solvers = dict.fromkeys(way[solved[0]] for way in ways)
     losses = {solver: largest_losses(system, solver) for solver in solvers}
-    first, *_ = losses.values()
-    is_well = is_well_conditioned(system, first)
+    is_well = is_well_conditioned(system, next(iter(solvers)))
     refinable = refined_solutions(solved)
     if refinable:
         candidates = _of_solution(request, ways, losses, is_well)
@@ -170,10 +170,10 @@ def _reporting_unrefined(
     """
     solver = candidate.methods[solved[0]]
     own, refinement = losses[solver], candidate.refinement
-    accurate = is_well or measured_inverse_error(system, solver, own.states) <= LARGEST_UNREFINED_ERROR
+    accurate = is_well or measured_inverse_error(system, solver) <= LARGEST_UNREFINED_ERROR
     refinement = replace(refinement, unrefined=pivot_limits(own, accurate=accurate))
     if any(name in INVERSES_OF_FRAMES for name in solved):
-        lost = measured_inverse_error(system, solver, own.states, "operational_inertia_inverse")
+        lost = measured_inverse_error(system, solver, "operational_inertia_inverse")
         amplification = LARGEST_ACCEPTED_ERROR / max(LEAST_LOST_BY_A_FRAME, lost)
         refinement = replace(refinement, amplification=max(amplification, 1.0))
     return replace(candidate, refinement=refinement)
@@ -192,18 +192,20 @@ def _measured(
         precision: Arithmetic of the code.
     """
     refinement = refined(system, steps, precision)
-    lost = measured_error(system, solver, refinement, losses.states)
+    lost = measured_error(system, solver, refinement)
     if steps and lost <= LARGEST_UNREFINED_ERROR:
         return refinement, lost
     return reporting(refinement, losses, accurate=lost <= LARGEST_UNREFINED_ERROR), lost
 
 
-def is_well_conditioned(system: System, losses: Losses) -> bool:
-    """Return whether no solver loses much in the states of the search.
+@lru_cache(maxsize=KEPT)
+def is_well_conditioned(system: System, solver: str) -> bool:
+    """Return whether no solver loses much in the states of the search with one of them.
 
     With a diagonal of ones, the largest diagonal entry of the inverse of [A] bounds the error of an
     elimination in roundoffs (Higham 2002, section 10.1).
     """
+    losses = largest_losses(system, solver)
     if not (losses.largest <= LARGEST_FORMATION_LOSS).all():
         return False
     # [A] is singular at gimbal lock, where no solver fails; force elements, which name rates, are not in [A].
@@ -262,13 +264,15 @@ def refined(system: System, steps: int, precision: Precision) -> Refinement:
     return Refinement(steps, remaining ** (1 / (steps + 1)), _accelerations(system))
 
 
-def measured_error(system: System, solver: str, refinement: Refinement, states: States) -> float:
+@lru_cache(maxsize=KEPT)
+def measured_error(system: System, solver: str, refinement: Refinement) -> float:
     """Return the largest error of {ydot} in doubles, in roundoffs; infinity if it is undefined.
 
-    The program is evaluated in doubles and in 320 bits, so that the rounding of its constants, and what the
-    residuals of a refinement lose, count too. Angles and translations are compared by `_accelerations`.
+    The states are those of the search. The program is evaluated in doubles and in 320 bits, so that the
+    rounding of its constants, and what the residuals of a refinement lose, count too. Angles and
+    translations are compared by `_accelerations`.
     """
-    rounded, exact = _evaluated(system, {"forward_dynamics": solver}, refinement, states)
+    rounded, exact = _evaluated(system, "forward_dynamics", solver, refinement)
     with np.errstate(all="ignore"):
         scale = np.array(_accelerations(system))
         sizes = np.linalg.norm(exact / scale, axis=1)
@@ -276,18 +280,16 @@ def measured_error(system: System, solver: str, refinement: Refinement, states: 
         return _largest_share(errors, sizes)
 
 
-def measured_inverse_error(
-    system: System, solver: str, states: States, output: str = "mass_matrix_inverse"
-) -> float:
+@lru_cache(maxsize=KEPT)
+def measured_inverse_error(system: System, solver: str, output: str = "mass_matrix_inverse") -> float:
     """Return the largest error of an entry of [A]^-1 in doubles, in roundoffs; infinity if it is undefined.
 
+    The states are those of the search.
     The error of entry (i, j) is compared with the root of the product of entries (i, i) and (j, j), which
     bounds the entry and has its unit. So it is for J [A]^-1 J^T, the output "operational_inertia_inverse".
     """
     n = OUTPUTS[output].array(system).row
-    rounded, exact = (
-        found.reshape(-1, n, n) for found in _evaluated(system, {output: solver}, UNREFINED, states)
-    )
+    rounded, exact = (found.reshape(-1, n, n) for found in _evaluated(system, output, solver, UNREFINED))
     with np.errstate(all="ignore"):
         root = np.sqrt(np.diagonal(exact, axis1=1, axis2=2))
         return _largest_share(np.abs(rounded - exact), root[:, :, None] * root[:, None, :])
@@ -299,17 +301,18 @@ def _largest_share(errors: Floats, sizes: Floats) -> float:
     return float(np.max(np.where(np.isnan(share), np.inf, share)))
 
 
-def _evaluated(system: System, way: Methods, refinement: Refinement, states: States) -> tuple[Floats, Floats]:
-    """Return the (B, size) values of an output in some of the states, in doubles and in 320 bits.
+def _evaluated(system: System, output: str, solver: str, refinement: Refinement) -> tuple[Floats, Floats]:
+    """Return the (B, size) values of an output in some states of the search, in doubles and in 320 bits.
 
     Args:
         system: The tree.
-        way: The solver by name of the output.
+        output: Name of the output.
+        solver: Name of the solver.
         refinement: The refinement of {ydot}.
-        states: The states.
     """
-    form = derive(system, way, DOUBLE.constants, refinement)
-    program = prune(lower(form, tuple(way), DOUBLE.constants))
+    states = largest_losses(system, solver).states
+    form = derive(system, {output: solver}, DOUBLE.constants, refinement)
+    program = prune(lower(form, (output,), DOUBLE.constants))
     count = min(len(states), max(LEAST_MEASURED, MEASURED_INSTRUCTIONS // len(program.instructions)))
     chosen = np.linspace(0, len(states) - 1, count).astype(int)
     inputs = {

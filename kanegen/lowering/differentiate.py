@@ -176,9 +176,7 @@ class _Differentiation:
             elif all(moved[j] == self._moved[j] for j in instruction.operands):
                 moved[i] = self._moved[i]
             else:
-                bare = self._builder.copy(
-                    replace(instruction, name="", note=""), [moved[j] for j in instruction.operands]
-                )
+                bare = self._builder.copy(instruction.named(""), [moved[j] for j in instruction.operands])
                 moved[i] = self._builder.name(bare, f"{instruction.name}_s" if instruction.name else "")
         return moved
 

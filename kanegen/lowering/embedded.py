@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from kanegen.program.adjoint import adjoints
 from kanegen.program.builder import Builder
@@ -56,7 +55,7 @@ class Embedded:
                     changed.add(i)
                 self._moved[i] = given[x.array][x.index]
                 continue
-            bare = x if x.op is Op.INPUT else replace(x, name="", note="")
+            bare = x if x.op is Op.INPUT else x.named("")
             value = builder.copy(bare, [self._moved[j] for j in x.operands])
             if not changed.isdisjoint(x.operands):
                 changed.add(i)

@@ -8,6 +8,7 @@ larger. Every state that it visits counts.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ from kanegen.program.passes.prune import prune
 from kanegen.recursion import derive_losses
 from kanegen.recursion.outputs import input_arrays
 from kanegen.reference.states import States, random_states, ranges
+
+KEPT = 32
+"""Number of results that are kept, because all code for a system needs the same."""
 
 STATES = 64
 """Number of states in which the search starts."""
@@ -50,8 +54,12 @@ class Losses:
     states: States
 
 
+@lru_cache(maxsize=KEPT)
 def largest_losses(system: System, solver: str) -> Losses:
-    """Return the largest losses of the pivots of a solver, parameters at their defaults."""
+    """Return the largest losses of the pivots of a solver, parameters at their defaults.
+
+    The last results are kept, because they are the same for all outputs of a system.
+    """
     losses, bounds = _programs(system, solver)
     starts = _starting_states(system)
     found = Losses(np.ones(len(system.freedoms)), _bounds(system, bounds), starts)

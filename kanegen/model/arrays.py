@@ -131,27 +131,26 @@ class SystemArrays:
 
 def system_arrays(system: SystemDescription) -> SystemArrays:
     """Return every number of a system, parameters at their defaults, orientations as matrices."""
-    bodies = tuple(body.map_numbers(value_of) for body in system.bodies)
-    joints = tuple(body.joint for body in bodies)
+    joints = tuple(body.joint for body in system.bodies)
     return SystemArrays(
         connection=np.array(system.connection, dtype=np.int64),
-        mass=_floats([body.mass for body in bodies]),
-        inertia=_floats([body.inertia for body in bodies]),
-        mass_center=_floats([body.mass_center for body in bodies]),
-        joint_position=_floats([joint.position for joint in joints]),
-        joint_orientation=np.array([_matrix(joint.orientation) for joint in joints]),
+        mass=_values([body.mass for body in system.bodies]),
+        inertia=_values([body.inertia for body in system.bodies]),
+        mass_center=_values([body.mass_center for body in system.bodies]),
+        joint_position=_values([joint.position for joint in joints]),
+        joint_orientation=np.array([_matrix(map_numbers(joint.orientation, value_of)) for joint in joints]),
         free=np.array([joint.free for joint in joints], dtype=np.bool_),
-        locked=_floats([joint.locked for joint in joints]),
-        gravity=_floats(map_numbers(system.gravity, value_of)),
-        loads=np.array([body.loads for body in bodies], dtype=np.bool_),
+        locked=_values([joint.locked for joint in joints]),
+        gravity=_values(system.gravity),
+        loads=np.array([body.loads for body in system.bodies], dtype=np.bool_),
         sequence=tuple(joint.sequence for joint in joints),
         speeds=tuple(joint.speeds for joint in joints),
         coordinates=tuple(joint.coordinates for joint in joints),
         forces=_force_arrays(system),
         prescribed=np.array([joint.prescribed for joint in joints], dtype=np.bool_),
         frames={name: fixed_frame(system, name) for name in system.frame_names},
-        load_rotation=np.array([fixed_frame(system, body.name).rotation for body in bodies]),
-        armature=_floats([joint.armature for joint in joints]),
+        load_rotation=np.array([fixed_frame(system, body.name).rotation for body in system.bodies]),
+        armature=_values([joint.armature for joint in joints]),
         coupled=values_of(system.coupled),
         rotors=rotor_arrays(system),
     )
@@ -192,6 +191,11 @@ def _force_arrays(system: SystemDescription) -> ForceArrays:
 def _floats(values: Any) -> Floats:
     """Return nested tuples of numbers as doubles, parameters at their defaults."""
     return np.array(values, dtype=np.float64)
+
+
+def _values(rows: Sequence[Any]) -> Floats:
+    """Return a sequence of nested tuples of numbers as doubles, parameters at their defaults."""
+    return _floats([map_numbers(one, value_of) for one in rows])
 
 
 def _matrix(orientation: Any) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from kanegen.errors import ModelError
@@ -33,12 +32,12 @@ class Builder:
         nameless = instruction.op in (Op.CONSTANT, Op.INPUT, Op.NEGATE) or instruction.name
         if name and not nameless and name not in self._names:
             self._names.add(name)
-            self._instructions[value] = replace(instruction, name=name, note=note)
+            self._instructions[value] = instruction.named(name, note)
         return value
 
     def copy(self, instruction: Instruction, operands: Sequence[int]) -> int:
         """Append an instruction of another program, applied to operands of this builder."""
-        return self._value(replace(instruction, operands=tuple(operands)))
+        return self._value(instruction.with_operands(tuple(operands)))
 
     def constant(self, number: Any) -> int:
         """Append a number.

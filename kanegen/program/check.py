@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from kanegen.program.ir import ARITY, Op, Program
+from kanegen.program.ir import ARITY, Instruction, Op, Program
 
 
 class InvariantError(AssertionError):
@@ -26,21 +27,14 @@ def check(program: Program) -> Program:
     for group in ([array.name for array in program.inputs], arrays):
         _require(len(group) == len(set(group)), f"array names are not unique: {group}")
     names: set[str] = set()
-    for i, instruction in enumerate(program.instructions):
-        where = f"instruction {i} ({instruction.op})"
-        _require(len(instruction.operands) == ARITY[instruction.op], f"{where}: wrong number of operands")
-        _require(all(0 <= j < i for j in instruction.operands), f"{where}: operand not defined before use")
-        if instruction.op is Op.CONSTANT:
-            _require(math.isfinite(instruction.number), f"{where}: {instruction.number} is not finite")
-        if instruction.op is Op.INPUT:
-            size = sizes.get(instruction.array, 0)
-            _require(
-                0 <= instruction.index < size,
-                f"{where}: no element {instruction.index} of {instruction.array!r}",
-            )
-        if instruction.name:
-            _require(instruction.name not in names, f"{where}: name {instruction.name!r} assigned twice")
-            names.add(instruction.name)
+    for i, x in enumerate(program.instructions):
+        is_applied = len(x.operands) == ARITY[x.op] and all([0 <= j < i for j in x.operands])
+        is_finite = x.op is not Op.CONSTANT or math.isfinite(x.number)
+        is_read = x.op is not Op.INPUT or 0 <= x.index < sizes.get(x.array, 0)
+        if not (is_applied and is_finite and is_read) or x.name in names:
+            raise InvariantError(f"instruction {i} ({x.op}): {_defect(i, x, sizes)}")
+        if x.name:
+            names.add(x.name)
     for output in program.outputs:
         places = [place for place, _ in output.elements()]
         whole = len(places) == output.array.size or output.places is not None
@@ -49,6 +43,25 @@ def check(program: Program) -> Program:
     defined = all(0 <= value < len(program.instructions) for value in program.results())
     _require(defined, f"an output of {arrays} holds an undefined value")
     return program
+
+
+def _defect(i: int, instruction: Instruction, sizes: Mapping[str, int]) -> str:
+    """Return what is wrong with an instruction.
+
+    Args:
+        i: Number of its value.
+        instruction: The instruction.
+        sizes: Numbers of elements of the input arrays by name.
+    """
+    if len(instruction.operands) != ARITY[instruction.op]:
+        return "wrong number of operands"
+    if not all(0 <= j < i for j in instruction.operands):
+        return "operand not defined before use"
+    if instruction.op is Op.CONSTANT and not math.isfinite(instruction.number):
+        return f"{instruction.number} is not finite"
+    if instruction.op is Op.INPUT and not 0 <= instruction.index < sizes.get(instruction.array, 0):
+        return f"no element {instruction.index} of {instruction.array!r}"
+    return f"name {instruction.name!r} assigned twice"
 
 
 def _require(condition: bool, message: str) -> None:

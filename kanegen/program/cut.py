@@ -8,7 +8,6 @@ an array, the workspace.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 from kanegen.program.check import check
@@ -142,7 +141,7 @@ class Part:
         for i in values:
             instruction = self._program.instructions[i]
             operands = tuple(self._value(j) for j in instruction.operands)
-            self._append(i, replace(instruction, operands=operands))
+            self._append(i, instruction.with_operands(operands))
         outputs = [self._output(output) for output in self._program.outputs]
         kept = [i for i in values if i in self._slots]
         if kept:

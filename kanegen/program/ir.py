@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 PARAMETERS = "parameters"
 """Name of the input array of the run-time parameters."""
@@ -86,9 +86,10 @@ TRANSCENDENTAL = (Op.EXP, Op.LOG, Op.TANH, Op.ATAN2)
 """Functions beside sine and cosine whose values are rounded; for `ATAN2` a zero has no sign."""
 
 
-@dataclass(frozen=True, slots=True)
-class Instruction:
+class Instruction(NamedTuple):
     """One assignment: the operation that computes a value.
+
+    It is a tuple because long programs are copied many times, and nothing in Python is made faster.
 
     Attributes:
         op: The operation.
@@ -104,9 +105,17 @@ class Instruction:
     operands: tuple[int, ...] = ()
     number: Any = 0.0
     array: str = ""
-    index: int = 0
+    index: int = 0  # type: ignore[assignment]  # in place of the method of tuples
     name: str = ""
     note: str = ""
+
+    def with_operands(self, operands: tuple[int, ...]) -> Instruction:
+        """Return the same instruction on other operands."""
+        return Instruction(self.op, operands, self.number, self.array, self.index, self.name, self.note)
+
+    def named(self, name: str, note: str = "") -> Instruction:
+        """Return the same instruction with another name and note."""
+        return Instruction(self.op, self.operands, self.number, self.array, self.index, name, note)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
-from dataclasses import replace
 
 from kanegen.program.ir import PARAMETERS, Op, Program
 
@@ -35,7 +34,7 @@ def subprogram(program: Program, order: Sequence[int]) -> Program:
     """
     moved = {i: place for place, i in enumerate(order)}
     instructions = (program.instructions[i] for i in order)
-    renumbered = tuple(replace(x, operands=tuple(moved[j] for j in x.operands)) for x in instructions)
+    renumbered = tuple(x.with_operands(tuple([moved[j] for j in x.operands])) for x in instructions)
     return Program(program.inputs, renumbered, tuple(output.renumbered(moved) for output in program.outputs))
 
 

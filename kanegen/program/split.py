@@ -90,7 +90,7 @@ def joined(programs: Sequence[Program], inputs: Sequence[str], wanted: Sequence[
     for program in programs:
         moved: list[int] = []
         for x in program.instructions:
-            bare = replace(x, name="", note="") if x.name in taken else x
+            bare = x.named("") if x.name in taken else x
             moved.append(builder.copy(bare, [moved[j] for j in x.operands]))
             taken.add(x.name)
         outputs |= {output.array.name: output.renumbered(moved) for output in program.outputs}
@@ -166,7 +166,7 @@ def _reads(program: Program, array: Array, places: Mapping[int, int]) -> Program
     """
     inputs = tuple(array if old.name == PREPARED else old for old in program.inputs)
     instructions = tuple(
-        replace(x, index=places[x.index]) if x.array == PREPARED else x for x in program.instructions
+        x._replace(index=places[x.index]) if x.array == PREPARED else x for x in program.instructions
     )
     return check(replace(program, inputs=inputs, instructions=instructions))
 
@@ -192,7 +192,7 @@ def _collect_parameter_only(
         for i, instruction in enumerate(programs[name].instructions):
             if early[name][i]:
                 operands = tuple(moved[j] for j in instruction.operands)
-                bare = replace(instruction, operands=operands, name="", note="")
+                bare = instruction.with_operands(operands).named("")
                 if bare not in known:
                     made = instruction if instruction.op is Op.INPUT else bare
                     known[bare] = first.name(first.copy(made, operands), instruction.name, instruction.note)

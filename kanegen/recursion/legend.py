@@ -114,6 +114,12 @@ def entries() -> tuple[Entry, ...]:
     return tuple(Entry(*entry) for entry in (*NAMES[:after], *_turning(), *NAMES[after:]))
 
 
+@cache
+def _entries_from(letter: str) -> tuple[Entry, ...]:
+    """Return the entries that may explain names with a first letter, in the order in which they are tried."""
+    return tuple(entry for entry in entries() if entry.pattern[0] in (letter, "{"))
+
+
 _PLACE_ENTRIES = tuple(Entry(*entry) for entry in PLACES)
 _FREEDOM_ENTRIES = tuple(Entry(*entry) for entry in FREEDOMS)
 _MARKS = tuple((Entry(*entry), re.compile(f"_*{expression(entry[0]).pattern}$")) for entry in MARKS)
@@ -144,7 +150,7 @@ def meaning_at_places(name: str) -> str:
     Example:
         meaning_at_places("D_3i")  # "1 over the pivot of the freedom at place 3"
     """
-    entry = next((entry for entry in entries() if entry.regex.fullmatch(name)), None)
+    entry = next((entry for entry in _entries_from(name[0]) if entry.regex.fullmatch(name)), None)
     if entry is None or "at place" not in entry.meaning:
         return ""
     letters, numbers = re.findall(r"{(\w+)}", entry.pattern), re.findall(r"\d+", name)
@@ -154,7 +160,7 @@ def meaning_at_places(name: str) -> str:
 
 def _explained(name: str) -> list[Entry]:
     """Return the entries that explain a name, its place and its marks; [] if there is none."""
-    for entry in entries():
+    for entry in _entries_from(name[0]):
         if match := entry.regex.fullmatch(name):
             found = [entry]
             parts = match.groupdict()

@@ -350,7 +350,7 @@ def test_what_was_used_in_the_last_hour_is_kept(monkeypatch):
 
 
 def test_a_cache_that_cannot_be_emptied_is_still_used(monkeypatch):
-    def fails(root, limit):
+    def fails(root, limit, added):
         raise PermissionError
 
     monkeypatch.setattr(cache, "_keep_below", fails)

@@ -53,11 +53,20 @@ _IN_USE = 3600.0
 _FILL = 0.8
 """Part of the limit to which the cache is emptied when it is full."""
 
+_UNCOUNTED = 0.1
+"""Part of what is free that a process may fill before it adds up the sizes of all entries again."""
+
 _WRITTEN_BY_OTHERS = 0o022
 """Bits of the mode of a file with which others may write it."""
 
+_SOURCES = (".c", ".h", ".cpp", ".hpp")
+"""Ends of the names of files from which others are made."""
+
 _MEGABYTE = 1e6
 """Bytes of a megabyte."""
+
+_ROOM: dict[tuple[Path, float], float] = {}
+"""Bytes that this process may add to a folder with a limit before it adds up all sizes again."""
 
 _LOCKS: defaultdict[str, threading.Lock] = defaultdict(threading.Lock)
 """A lock for each entry: of several threads that need an entry one makes it and the others wait."""
@@ -226,7 +235,7 @@ def _complete(root: Path, name: str, file: str, fill: Callable[[Path], None]) ->
             limit = environment.limit(environment.CACHE_MEGABYTES) * _MEGABYTE
             _make(complete, file, fill)
             with suppress(OSError, BuildError):
-                _keep_below(root, limit)
+                _keep_below(root, limit, _entry(complete).size)
     return complete
 
 
@@ -302,8 +311,25 @@ def _is_intact(complete: Path, file: str) -> bool:
 
 def _files(entry: Path) -> list[str]:
     """Return the relative paths of the files of an entry but for the list of digests, in order."""
-    paths = (path for path in entry.rglob("*") if not path.is_dir())
-    return sorted(name for path in paths if (name := path.relative_to(entry).as_posix()) != _DIGESTS)
+    return sorted(name for name, _ in _walked(entry) if name != _DIGESTS)
+
+
+def _walked(folder: Path, above: str = "") -> Iterator[tuple[str, os.DirEntry[str]]]:
+    """Yield every file of a folder and of the folders in it, with its path relative to the first folder.
+
+    Args:
+        folder: Where to look.
+        above: Path of `folder` relative to the first folder, which ends with a slash, or "".
+
+    Raises:
+        OSError: If a folder cannot be read.
+    """
+    with os.scandir(folder) as found:
+        for one in found:
+            if one.is_dir(follow_symlinks=False):
+                yield from _walked(folder / one.name, f"{above}{one.name}/")
+            else:
+                yield f"{above}{one.name}", one
 
 
 def _content(path: Path) -> bytes:
@@ -335,20 +361,30 @@ def _entry(path: Path) -> Entry:
     Raises:
         OSError: If it is no entry, or another process removes it.
     """
-    files = _files(path)
-    made = [name for name in files if not name.endswith((".c", ".h", ".cpp", ".hpp"))]
-    size = sum(file.stat().st_size for file in path.rglob("*"))
-    noted = path / _DIGESTS
-    return Entry(path, (made or [""])[0], size, (noted if noted.exists() else path).stat().st_mtime)
+    files = dict(_walked(path))
+    made = sorted(name for name in files if name != _DIGESTS and not name.endswith(_SOURCES))
+    size = sum(one.stat().st_size for one in files.values())
+    noted = files[_DIGESTS].stat() if _DIGESTS in files else path.stat()
+    return Entry(path, (made or [""])[0], size, noted.st_mtime)
 
 
-def _keep_below(root: Path, limit: float) -> None:
-    """Remove the entries that were not used for the longest time, if all together exceed a limit in bytes."""
-    found = entries()
-    excess = sum(entry.size for entry in found)
-    if excess <= limit:
+def _keep_below(root: Path, limit: float, added: int) -> None:
+    """Remove the entries that were not used for the longest time, if all together exceed a limit.
+
+    Args:
+        root: Folder of the cache.
+        limit: The limit, in bytes.
+        added: Size of the entry that was made just now, in bytes.
+    """
+    _ROOM[root, limit] = _ROOM.get((root, limit), 0.0) - added
+    if _ROOM[root, limit] > 0.0:
         return
-    excess -= int(_FILL * limit)
+    found = entries()
+    total = sum(entry.size for entry in found)
+    _ROOM[root, limit] = _UNCOUNTED * (limit - total)
+    if total <= limit:
+        return
+    excess = total - int(_FILL * limit)
     superfluous = []
     for entry in found:
         if excess > 0 and time.time() - entry.last_use > _IN_USE:
