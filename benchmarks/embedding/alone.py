@@ -45,7 +45,11 @@ double {model}_nanoseconds(double seconds, {declared})
 
 
 def in_c(
-    source: Source, name: str, inputs: Mapping[str, np.ndarray], states: int | None = None
+    source: Source,
+    name: str,
+    inputs: Mapping[str, np.ndarray],
+    states: int | None = None,
+    flags: tuple[str, ...] | None = None,
 ) -> Callable[[], float]:
     """Return a function that repeats a call in C for a turn and returns nanoseconds of one call.
 
@@ -54,6 +58,7 @@ def in_c(
         name: Name of the function.
         inputs: Its inputs by name, contiguous, `prepared` among them where the model has parameters.
         states: Number of states of a call of the batch form; None is a call for one state.
+        flags: Flags of the compiler; None are those of the variant.
 
     Example:
         alone = in_c(library.source, "forward_dynamics", {"x": x, "y": y, "tau": tau})
@@ -69,7 +74,7 @@ def in_c(
         ),
         passed=", ".join([*([] if states is None else [str(states)]), *read, *filled]),
     )
-    path = build(source, facade=Facade(f"{model}_{name}_timed", {"timed.c": text}))
+    path = build(source, flags=flags, facade=Facade(f"{model}_{name}_timed", {"timed.c": text}))
     timed = getattr(ctypes.CDLL(str(path)), f"{model}_nanoseconds")
     timed.restype = ctypes.c_double
     arrays = [np.ascontiguousarray(inputs[one], np.float64) for one in read]

@@ -24,7 +24,7 @@ from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.c.vector_sincos import FEW
-from kanegen.c.versions import VERSIONS, Dispatched, defined_names, macros_of_width
+from kanegen.c.versions import VERSIONS, Dispatched, defined_names, included, macros_of_width
 from kanegen.errors import ModelError
 from kanegen.model.names import FILES_OF_C
 from kanegen.options import STRICT
@@ -143,10 +143,11 @@ def _versions(files: Mapping[str, str], variables: Context) -> dict[str, str]:
         variables: The variables of all templates.
     """
     found = {"kanegen_versions.h": fill("c99/kanegen_versions.h", versions=VERSIONS)}
-    headers = [text for file, text in files.items() if file.startswith("kanegen_")]
+    common = {name: text for name, text in files.items() if name.startswith("kanegen_")}
     for patterns in VERSION_FILES.items():
         file, version_file = (pattern.format(name=variables["model"].name) for pattern in patterns)
         if file in files:
+            headers = included(files[file], common)
             of_file = variables | {
                 "batch": file.endswith("_batch.c"),
                 "version_file": version_file,

@@ -7,7 +7,7 @@ users compile includes once for each instruction set; what it defines has other 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from kanegen.c.layout import BREAK, wrap
@@ -47,6 +47,8 @@ VERSIONS = (
 _ARGUMENT = re.compile(r"(\w+)(?:\[[^\]]*\])?(?=[,)])")
 """The name of an argument, with its lengths, before the next one or the end of a prototype."""
 
+_INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
+
 _DEFINED = re.compile(
     r"^(?!typedef)[a-z][\w ]*?[ *](\w+)\("  # a function
     r"|^typedef [\w ]+?(\w+)(?: __attribute__.*)?;"  # another name of a type
@@ -55,6 +57,13 @@ _DEFINED = re.compile(
 )
 
 _OF_WIDTH = re.compile(r"^ *#define (\w+_(?:H|LANES)|SIMD_(?:EVEN|ODD)_\d+)\b", re.MULTILINE)
+
+
+def included(text: str, headers: Mapping[str, str]) -> list[str]:
+    """Return the texts of those `headers`, by name, that a text includes, also by way of one another."""
+    names = [name for name in _INCLUDE.findall(text) if name in headers]
+    found = [one for name in names for one in (headers[name], *included(headers[name], headers))]
+    return list(dict.fromkeys(found))
 
 
 def defined_names(texts: Iterable[str]) -> list[str]:

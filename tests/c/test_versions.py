@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import platform
 import re
+from dataclasses import replace
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ import pytest
 import kanegen as kg
 from kanegen.c.versions import VERSIONS, Dispatched, defined_names, macros_of_width
 from kanegen.errors import OptionError
+from kanegen.library.native import compilers, selftest
 from kanegen.library.native.build import code, write
+from kanegen.program import semantics
 from tests.battery import bits, scenes, targets
 from tests.battery.state_classes import states
 from tests.support import systems
@@ -160,6 +163,29 @@ def test_common_headers_are_those_of_portable_code():
     assert common and all(portable.files[name] == versions.files[name] for name in common)
     assert "instruction sets of x86-64" in versions.files[f"{ARM.name}.h"]
     assert "instruction set" not in portable.files[f"{ARM.name}.h"] + portable.files["README.md"]
+
+
+@pytest.mark.parametrize("artifact", ["fmi2", "fmi3", "rust", "arduino"])
+def test_folders_of_artifacts_hold_the_functions(artifact):
+    files = kg.generate(ARM, tier=TIER, artifacts=artifact).files
+    (path,) = [PurePosixPath(name) for name in files if name.endswith(f"/{ARM.name}.c")]
+    assert f'#define KANEGEN_VERSION_FILE "{ARM.name}_version.h"' in files[str(path)]
+    assert {
+        str(path.with_name(name)) for name in (f"{ARM.name}_version.h", "kanegen_versions.h")
+    } <= files.keys()
+
+
+@pytest.mark.parametrize(("storage", "is_narrowed"), [("float", True), ("double", False)])
+def test_the_self_test_of_rounding_to_float_is_wanted_for_versions_too(storage, is_narrowed, monkeypatch):
+    everything = {*semantics.PROPERTIES, semantics.NARROWING}
+    remedy = selftest.REMEDIES[semantics.NARROWING]
+
+    def forgetful(compiler, flags):
+        return everything - (set() if remedy[0] in flags else {semantics.NARROWING})
+
+    monkeypatch.setattr(selftest, "properties", forgetful)
+    source = kg.generate(ARM, tier=replace(TIER, storage=storage))
+    assert (remedy[0] in selftest.sound_flags(compilers.find(), source)) is is_narrowed
 
 
 def test_a_library_of_versions_computes_the_bits_of_a_native_one():

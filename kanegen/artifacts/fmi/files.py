@@ -42,7 +42,8 @@ HEADERS = {
 }
 """Headers of the standard, by its version, as the Modelica Association publishes them."""
 
-_INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
+_INCLUDE = re.compile(r'^#(?:include|define KANEGEN_VERSION_FILE) "(.+)"$', re.MULTILINE)
+"""A line by which a file includes another one, itself or from the header of versions."""
 
 _OTHER_TYPES = "Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String".split()
 """Types of FMI 3.0 that no variable has."""

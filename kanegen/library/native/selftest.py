@@ -43,7 +43,7 @@ def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]
     variant = source.variant
     flags = variant.flags_here if _compiles(compiler, variant.flags_here) else variant.flags
     wanted = set(guaranteed_properties(source.variant.semantics))
-    if any("(float)" in text for file, text in source.code.items() if file.endswith(".c")):
+    if any("(float)" in text for file, text in source.code.items() if file.endswith((".c", "_version.h"))):
         wanted.add(NARROWING)
     missing = wanted - properties(compiler, flags)
     remedies = tuple(dict.fromkeys(flag for name in sorted(missing) for flag in REMEDIES.get(name, ())))
