@@ -151,6 +151,8 @@ def test_every_number_of_states(small, count):
     one = [kernels.call("forward_dynamics", 1, x=a, y=b, tau=c)[0] for a, b, c in zip(x, y, tau, strict=True)]
     assert (found["acceleration"] == np.reshape([each["acceleration"] for each in one], (-1, 2))).all()
     assert (status == 0).all()
+    rows, _ = kernels.call("forward_dynamics", count, rows=True, x=x, y=y, tau=tau)
+    assert (rows["acceleration"] == found["acceleration"]).all()
 
 
 @pytest.fixture(scope="module")

@@ -45,7 +45,7 @@ class OnProcessor:
     library: ctypes.CDLL
 
     def call(
-        self, name: str, count: int, *, stride: int | None = None, **inputs: NDArray[Any]
+        self, name: str, count: int, *, stride: int | None = None, rows: bool = False, **inputs: NDArray[Any]
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.int32]]:
         """Return the outputs of a function, (count, ...) each, and the status of every state.
 
@@ -53,6 +53,7 @@ class OnProcessor:
             name: Name of the function.
             count: Number of states.
             stride: Numbers from one element to the next, by default `count`.
+            rows: Whether the kernel gets arrays with a row for each state.
             inputs: Arrays with a row for every state; `prepared` and `parameters` are as in the call of C.
         """
         (function,) = [one for one in self.source.functions if one.name == name]
@@ -65,12 +66,12 @@ class OnProcessor:
             is_common = array.name in common
             memory = np.full((array.size, 1 if is_common else stride), np.nan, of(array.name).dtype)
             if array.name in inputs:
-                rows = np.asarray(inputs[array.name]).reshape(-1, array.size)
-                memory[:, : len(rows)] = rows.T
-            arrays.append(memory)
+                values = np.asarray(inputs[array.name]).reshape(-1, array.size)
+                memory[:, : len(values)] = values.T
+            arrays.append(np.ascontiguousarray(memory.T).T if rows else memory)
         status = np.full(stride, -99, np.int32)
         launcher = f"{self.source.model.name}_{name}_{'' if is_for_all else 'batch_'}cuda"
-        counts = [] if is_for_all else [ctypes.c_size_t(count), ctypes.c_size_t(stride)]
+        counts = [] if is_for_all else [ctypes.c_size_t(count), ctypes.c_size_t(0 if rows else stride)]
         pointers = [ctypes.c_void_p(memory.ctypes.data) for memory in (*arrays, status)]
         assert getattr(self.library, launcher)(None, *counts, *pointers) == 0
         outputs = {

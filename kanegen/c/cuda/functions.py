@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.c.cuda.dialect import template
-from kanegen.c.cuda.teams import WARP, Team
+from kanegen.c.cuda.teams import WARP, Team, state
 from kanegen.c.declarations import argument_row
 from kanegen.c.formats import Formats
 from kanegen.c.functions import Code, PrintedFunction
@@ -145,9 +145,7 @@ def _launcher_prototype(name: str, signature: Function, formats: Formats, shared
 
 def _device_call(name: str, arrays: Sequence[Array], shared: Sequence[str]) -> list[str]:
     """Return the statement that computes state `i` in a kernel."""
-    arguments = [
-        array.name if array.name in shared else f"kanegen_state({array.name}, i, stride)" for array in arrays
-    ]
+    arguments = [array.name if array.name in shared else state(array) for array in arrays]
     text = f"const int found = {name}_device({f',{BREAK}'.join(arguments)});"
     indent = " " * (4 if all(array.name in shared for array in arrays) else 8)
     return wrap(text, indent=indent, hanging=f"{indent}    ")
@@ -169,7 +167,7 @@ def _launcher_arguments(one: PrintedFunction, shared: Sequence[str]) -> list[str
     rows = [
         ("@param[in]", "stream", "", "the stream of the kernel"),
         ("@param[in]", "count", "", "number of states"),
-        ("@param[in]", "stride", "", "numbers from one element of an array to the next, at least `count`"),
+        ("@param[in]", "stride", "", "numbers from one element to the next, at least `count`; 0 for rows"),
     ]
     is_for_all = _is_for_all(signature, shared)
     if is_for_all:

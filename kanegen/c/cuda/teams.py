@@ -19,7 +19,7 @@ from kanegen.c.functions import ending
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.target import RenderInput
-from kanegen.program.ir import WORKSPACE
+from kanegen.program.ir import WORKSPACE, Array
 from kanegen.program.precision import Precision
 from kanegen.program.share import Shared, most_live, share
 
@@ -121,20 +121,26 @@ def _worker(
             *ending(function, found.programs, dialect, printed.status, not_finite(render_input.model)),
         ]
     text = "\n".join(lines)
-    arrays = [array.name for array in (*function.inputs, *function.outputs)]
-    used = [one for one in (*arrays, WORKSPACE) if re.search(rf"\b{one}\b", text)]
+    arrays = {array.name: state(array) for array in (*function.inputs, *function.outputs)}
+    arrays |= {WORKSPACE: WORKSPACE, **{name: name for name in function.shared}}
+    used = [one for one in arrays if re.search(rf"\b{one}\b", text)]
     arguments = f",{BREAK}".join(f"{one}_type {one}" for one in used)
     head = f"{template(used)}{BREAK}static __device__ __noinline__ {kind} {name}_warp_{k + 1}({arguments})"
-    common = () if render_input.parameters_by_state else function.shared
     return Worker(
         prototype=wrap(head, indent="", hanging="    "),
         body=lines,
-        call=_call(f"{name}_warp_{k + 1}", used, common, "const int found = " if kind == "int" else ""),
+        call=_call(
+            f"{name}_warp_{k + 1}", [arrays[one] for one in used], "const int found = " * (kind == "int")
+        ),
         locals=printed.locals,
     )
 
 
-def _call(name: str, arrays: Sequence[str], common: Sequence[str], result: str) -> list[str]:
-    arguments = [one if one in (*common, WORKSPACE) else f"kanegen_state({one}, i, stride)" for one in arrays]
+def state(array: Array) -> str:
+    """Return the argument of a function for one state: state `i` of an array with all states."""
+    return f"kanegen_state({array.name}, i, stride, {array.size})"
+
+
+def _call(name: str, arguments: Sequence[str], result: str) -> list[str]:
     text = f"{result}{name}({f',{BREAK}'.join(arguments)});"
     return wrap(text, indent=" " * 12, hanging=" " * 16)
