@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from benchmarks.cuda.nvrtc import compile_cuda
 from kanegen.c import render
 from kanegen.c.cuda import Cuda, teams
 from kanegen.c.formats import formats
@@ -16,7 +17,6 @@ from kanegen.program.ir import Module
 from tests.support.c_compilers import C, run
 from tests.support.cuda import build, on_processor
 from tests.support.handmade import description
-from tests.support.nvrtc import compile_cuda
 from tests.support.pages import files
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything

@@ -32,7 +32,7 @@ _TYPES = {DOUBLE.name: "XLA_FFI_DataType_F64", FLOAT.name: "XLA_FFI_DataType_F32
 
 
 @dataclass(frozen=True)
-class _Operand:
+class Operand:
     """An array of a function, as the template prints it.
 
     Attributes:
@@ -115,13 +115,13 @@ def facade(source: Source) -> Facade:
         most_inputs=max(len(one["inputs"]) for one in functions),
         most_outputs=max(len(one["outputs"]) for one in functions),
     )
-    header = Path(jax.ffi.include_dir()) / _HEADER
-    files = {
-        f"{name}_jax.c": handlers,
-        "kanegen_xla.h": fill("jax/kanegen_xla.h"),
-        _HEADER: header.read_text(encoding="utf-8"),
-    }
+    files = {f"{name}_jax.c": handlers, "kanegen_xla.h": fill("jax/kanegen_xla.h"), **header_of_xla()}
     return Facade(f"{name}_jax", files)
+
+
+def header_of_xla() -> dict[str, str]:
+    """Return the header of XLA's foreign function interface, of the jaxlib that is installed, by its path."""
+    return {_HEADER: (Path(jax.ffi.include_dir()) / _HEADER).read_text(encoding="utf-8")}
 
 
 def _printed(source: Source, function: Function, numbers: Formats) -> dict[str, Any]:
@@ -133,19 +133,19 @@ def _printed(source: Source, function: Function, numbers: Formats) -> dict[str, 
     arguments = [*(["prepared"] if prepares else []), *(f"in[{k}]" for k in range(read))]
     return {
         "name": function.name,
-        "inputs": [_operand(source.model, function, array, numbers.of(array.name)) for array in inputs],
-        "outputs": [_operand(source.model, function, one, numbers.of(one.name)) for one in function.outputs],
+        "inputs": [operand(source.model, function, array, numbers.of(array.name)) for array in inputs],
+        "outputs": [operand(source.model, function, one, numbers.of(one.name)) for one in function.outputs],
         "prepares": prepares,
         "prepared_bytes": prepared.size * numbers.arithmetic.bytes if prepared is not None else 0,
         "arguments": ", ".join([*arguments, *(f"out[{k}]" for k in range(len(function.outputs)))]),
     }
 
 
-def _operand(model: ModelDescription, function: Function, array: Array, precision: Precision) -> _Operand:
+def operand(model: ModelDescription, function: Function, array: Array, precision: Precision) -> Operand:
     """Return an array as the template prints it."""
     zeros = tuple(_unloaded(model, array))
     type_ = _TYPES[precision.name]
-    return _Operand(array.name, array.size, array.size * precision.bytes, type_, zeros, function.name)
+    return Operand(array.name, array.size, array.size * precision.bytes, type_, zeros, function.name)
 
 
 def _unloaded(model: ModelDescription, array: Array) -> Iterator[int]:

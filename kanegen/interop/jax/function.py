@@ -91,6 +91,8 @@ def functions_by_name(handlers: Handlers) -> dict[str, Function]:
             tuple(array.size for array in one.outputs),
             numbers.storage.dtype,
             str(library.on_status),
+            handlers.device,
+            handlers.prepared if inputs[:1] != one.inputs[:1] else None,
         )
     calls = differentiable_calls(signatures, {name: slopes(name, source) for name in signatures})
     shapes = {one.name: tuple(array.shape for array in one.outputs) for one in found}

@@ -9,9 +9,11 @@ from kanegen.c import Source
 from kanegen.choices import did_you_mean, flag, require_one
 from kanegen.compiler import generate
 from kanegen.errors import OptionError, quoted
+from kanegen.interop.jax.calls import RULES
+from kanegen.interop.jax.cuda import kernels
 from kanegen.interop.jax.facade import require_numbers
 from kanegen.interop.jax.function import Function, functions_by_name
-from kanegen.interop.jax.handlers import RULES, handlers
+from kanegen.interop.jax.handlers import handlers
 from kanegen.interop.jax.motions import Motions
 from kanegen.interop.slopes import with_derivatives
 from kanegen.library import Library
@@ -21,6 +23,9 @@ from kanegen.options import STRICT, Variant, chosen_variant
 from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS, RATES
 from kanegen.recursion.outputs import chosen as chosen_outputs
 from kanegen.recursion.outputs.integrators import STEP
+
+DEVICES = ("cpu", "cuda")
+"""Where JAX can call functions."""
 
 
 def functions(
@@ -33,9 +38,11 @@ def functions(
     compiler: str | None = None,
     flags: str | Sequence[str] | None = None,
     threads: bool = False,
-    on_status: str = "warn",
+    on_status: str | None = None,
+    device: str = "cpu",
+    nvcc: str = "nvcc",
 ) -> Functions:
-    """Return functions of a system for JAX, compiled to C that XLA calls on the CPU.
+    """Return functions of a system for JAX, compiled to C that XLA calls on the CPU, or to kernels for GPUs.
 
     Args:
         model: The tree of bodies. Or a library, whose outputs and choices are taken; it is compiled once
@@ -50,13 +57,15 @@ def functions(
         threads: Whether OpenMP shares large batches among threads.
         on_status: What happens where a result is missing, not finite or not accurate: "warn", "raise" or
             "ignore", as in `Library.with_on_status`. What raises there lets the call of JAX fail with the
-            same message.
+            same message. By default "warn", and "ignore" on a GPU, which does not wait for statuses.
+        device: Where JAX calls the functions: "cpu", or "cuda" for GPUs of NVIDIA.
+        nvcc: Command of the compiler for GPUs, with further flags if there are any.
 
     Raises:
         OptionError: If an output or a choice does not exist or does not fit, or JAX has no numbers of the
             precision.
         ModelError, SingularError: As `kanegen.generate`.
-        BuildError: If there is no compiler, or it fails.
+        BuildError: If there is no compiler, or it fails; on a GPU also nvcc.
 
     Example:
         system = kg.load("models/panda_arm.toml")
@@ -64,9 +73,10 @@ def functions(
         ydot = arm.forward_dynamics(x, y, tau)
         x, y = arm.step(x, y, tau, step=1e-3)
     """
-    require_one("on_status", on_status, RULES)
+    require_one("device", device, DEVICES)
+    on_status = _on_status(on_status, device)
     if isinstance(model, Library):
-        return Functions(model.recipe, model.parameters, on_status)
+        return Functions(model.recipe, model.parameters, on_status, device, nvcc)
     if not isinstance(model, System):
         raise OptionError(
             f"functions: {quoted(model)} is no system and no library. Give what kg.load returns."
@@ -83,7 +93,24 @@ def functions(
         parameters_by_state=bool(model.parameters),
     )
     recipe = Recipe.of(source, compiler, flags, threads)
-    return Functions(recipe, dict(source.model.parameters), on_status)
+    return Functions(recipe, dict(source.model.parameters), on_status, device, nvcc)
+
+
+def _on_status(on_status: str | None, device: str) -> str:
+    """Return the rule for statuses, checked.
+
+    Raises:
+        OptionError: If there is no such rule, or none on a GPU.
+    """
+    if on_status is None:
+        return "warn" if device == "cpu" else "ignore"
+    require_one("on_status", on_status, RULES)
+    if device != "cpu" and on_status != "ignore":
+        raise OptionError(
+            f"on_status {quoted(on_status)}: a GPU does not wait for statuses; results that do not exist are "
+            "NaN. Leave it out, or take 'ignore'."
+        )
+    return on_status
 
 
 def _asked(system: System, outputs: Iterable[str] | str) -> tuple[str, ...]:
@@ -137,13 +164,22 @@ class Functions(Motions):
         work = jax.grad(lambda tau: arm.forward_dynamics(x, y, tau).sum())
     """
 
-    def __init__(self, recipe: Recipe, parameters: Mapping[str, float], on_status: str = "warn") -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        parameters: Mapping[str, float],
+        on_status: str = "warn",
+        device: str = "cpu",
+        nvcc: str = "nvcc",
+    ) -> None:
         """Compile the functions with their handlers, or find them in the cache, and tell JAX of them.
 
         Args:
             recipe: What is compiled and how.
             parameters: Values of the run-time parameters where a call names no others.
             on_status: What happens where a result is missing, not finite or not accurate.
+            device: Where JAX calls the functions, "cpu" or "cuda".
+            nvcc: Command of the compiler for GPUs.
 
         Raises:
             OptionError: If JAX has no numbers of the precision, or the source has one set of parameters for
@@ -152,9 +188,10 @@ class Functions(Motions):
         """
         require_numbers(recipe.source.model.shown, recipe.source.variant)
         _require_batches(recipe.source)
-        found = handlers(recipe, parameters, on_status)
+        on_gpu = device == "cuda"
+        found = kernels(recipe, parameters, nvcc) if on_gpu else handlers(recipe, parameters, on_status)
         self.library = found.library
-        self._arguments = recipe, dict(parameters), on_status
+        self._arguments = recipe, dict(parameters), on_status, device, nvcc
         self._functions = functions_by_name(found)
 
     def __repr__(self) -> str:

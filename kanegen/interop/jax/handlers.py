@@ -14,6 +14,7 @@ import numpy as np
 
 from kanegen.c.formats import formats
 from kanegen.extras import JAX, module
+from kanegen.interop.jax.calls import Prepared
 from kanegen.interop.jax.facade import facade, functions_of, inputs_of
 from kanegen.library import Library
 from kanegen.library.native.build import Recipe, made
@@ -25,9 +26,6 @@ from kanegen.model.arguments import Floats
 from kanegen.program.ir import PARAMETERS
 
 jax = module("jax", "jaxlib", extra=JAX)
-
-RULES = {rule: number for number, rule in enumerate(ON_STATUS)}
-"""The number by which handlers know each rule for statuses."""
 
 _REPORTER = ctypes.CFUNCTYPE(
     ctypes.c_int,
@@ -58,10 +56,15 @@ class Handlers:
     Attributes:
         library: The same functions with NumPy arrays.
         targets: The name by which JAX knows each function.
+        device: Where JAX calls them, "cpu" or "cuda".
+        prepared: How kernels get what depends on parameters alone; None on the CPU, where a call computes it,
+            and without parameters.
     """
 
     library: Library
     targets: Mapping[str, str]
+    device: str = "cpu"
+    prepared: Prepared | None = None
 
 
 def handlers(recipe: Recipe, parameters: Mapping[str, float], on_status: OnStatus) -> Handlers:

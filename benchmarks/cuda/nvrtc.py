@@ -1,8 +1,9 @@
-"""NVRTC, NVIDIA's compiler of CUDA C++ as a library, from the package nvidia-cuda-nvrtc-cu12."""
+"""NVRTC, NVIDIA's compiler of CUDA C++ as a library, from a package or a CUDA toolkit."""
 
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,24 +14,30 @@ from pathlib import Path
 
 @cache
 def _library() -> ctypes.CDLL:
-    """Return the loaded library.
+    """Return the loaded library, of the package or of a CUDA toolkit.
 
     Raises:
-        FileNotFoundError: If the package is not installed.
+        FileNotFoundError: If there is none.
     """
     found = util.find_spec("nvidia")
-    for folder in found.submodule_search_locations or [] if found else []:
-        for path in sorted(Path(folder).glob("cuda_nvrtc/lib/libnvrtc.so*")):
+    folders = (
+        [Path(one) / "cuda_nvrtc" / "lib" for one in (found.submodule_search_locations or [])]
+        if found
+        else []
+    )
+    toolkit = Path(os.environ.get("CUDA_HOME", "/usr/local/cuda"))
+    for folder in (*folders, toolkit / "lib64", toolkit / "targets" / "x86_64-linux" / "lib"):
+        for path in sorted(folder.glob("libnvrtc.so*")):
             return ctypes.CDLL(str(path))
     raise FileNotFoundError("NVRTC is not installed: pip install nvidia-cuda-nvrtc-cu12")
 
 
 @dataclass(frozen=True)
 class Usage:
-    """What one kernel takes of a multiprocessor, for each thread.
+    """What a kernel, or a function that it calls, takes of a multiprocessor, for each thread.
 
     Attributes:
-        registers: Registers of 32 bits.
+        registers: Registers of 32 bits; 0 for a function that is no kernel.
         stack: Bytes of local memory.
         stores: Bytes that are stored in local memory because there are too few registers.
         loads: Bytes that are loaded from there.
@@ -48,11 +55,11 @@ class Compiled:
 
     Attributes:
         log: All that it says.
-        cubin: The code for the architecture; PTX where the architecture is a virtual one.
+        binary: The code for the architecture; assembly (PTX) where the architecture is a virtual one.
     """
 
     log: str
-    cubin: bytes
+    binary: bytes
 
     @property
     def messages(self) -> str:
@@ -62,14 +69,14 @@ class Compiled:
 
     @property
     def usage(self) -> dict[str, Usage]:
-        """The resources of every kernel, by its name."""
+        """The resources of every kernel and of every function that is not joined to one, by its name."""
         found = re.findall(
             r"Function properties for (\w+)\nptxas +\. +(\d+) bytes stack frame, (\d+) bytes spill stores, "
-            r"(\d+) bytes spill loads\n.*?Used (\d+) registers",
+            r"(\d+) bytes spill loads\n(?:.*?Used (\d+) registers)?",
             self.log,
         )
         return {
-            name: Usage(int(registers), int(stack), int(stores), int(loads))
+            name: Usage(int(registers or 0), int(stack), int(stores), int(loads))
             for name, stack, stores, loads, registers in found
         }
 

@@ -1,0 +1,1 @@
+"""Kernels for GPUs: registers as NVIDIA's compiler counts them, and states a second on a card."""
