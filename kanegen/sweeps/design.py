@@ -60,6 +60,9 @@ _TAKEN = {
 LOADS = ("force", "torque", "point_force", "point_moment")
 """Inputs with three components for each body or point."""
 
+INPUTS = ("tau", "prescribed", *LOADS)
+"""Inputs, which may depend on the time."""
+
 
 @dataclass(frozen=True)
 class Design:
@@ -166,6 +169,8 @@ def known_names(system: System) -> dict[str, str]:
     found |= {f"y.{name}": unit for name, unit in zip(system.speed_names, speeds, strict=True)}
     efforts = ["N m" if freedom.is_angle else "N" for freedom in system.freedoms]
     found |= {f"tau.{name}": unit for name, unit in zip(system.freedom_names, efforts, strict=True)}
+    moved = zip(system.prescribed_names, system.prescribed, strict=True)
+    found |= {f"prescribed.{name}": "rad" if freedom.is_angle else "m" for name, freedom in moved}
     bodies = [body.name for body in system.bodies if body.loads]
     points = [point.name for _, point in system.points if point.loads]
     for load, names, unit in zip(LOADS, (bodies, bodies, points, points), ("N", "N m") * 2, strict=True):
@@ -204,11 +209,12 @@ def read_design(system: System, axes: Mapping[Any, Any], sampling: Sampling, whe
                     f"{where}: there is no {quoted(name)}. {did_you_mean(name, (*known, *VARIANTS))}"
                 )
         read[names] = _axis(f"{where}: {', '.join(names)}", names, value, system)
+    _require_prescribed(where, system, [name for names in read for name in names])
     distributions = {names[0]: axis for names, axis in read.items() if isinstance(axis, Distribution)}
     of_formulas = {names[0]: axis for names, axis in read.items() if isinstance(axis, Formula)}
     several = [axis for axis in read.values() if isinstance(axis, Values)]
     for name in formulas.depending_on_time(of_formulas):
-        if not name.startswith(("tau.", *(f"{load}." for load in LOADS))):
+        if not name.startswith(tuple(f"{kind}." for kind in INPUTS)):
             raise OptionError(
                 f"{where}: {name}: only inputs such as tau.{system.freedom_names[0]} depend on {TIME}."
             )
@@ -225,6 +231,17 @@ def read_design(system: System, axes: Mapping[Any, Any], sampling: Sampling, whe
     if rows > MOST_ROWS:
         raise OptionError(f"{where}: {rows} rows are more than {MOST_ROWS}. Take fewer values or samples.")
     return replace(found, samples=sampling.draw(distributions))
+
+
+def _require_prescribed(where: str, system: System, names: Iterable[str]) -> None:
+    """Make sure that the motion of each prescribed freedom is given."""
+    given = set(names)
+    missing = [f"prescribed.{name}" for name in system.prescribed_names if f"prescribed.{name}" not in given]
+    if missing:
+        raise OptionError(
+            f"{where}: the motion of prescribed freedoms is missing: {', '.join(missing)}. Give each a "
+            f"number, or an expression of t, such as {{{missing[0]!r}: '0.1*sin(t)'}}."
+        )
 
 
 def _names(where: str, key: object) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from kanegen.model.expression import Expression
 from kanegen.model.grammar import parse
 from kanegen.model.nodes import TIME, Variable
 from kanegen.model.system import System
+from kanegen.reference.arithmetics import Dual, Value
 from kanegen.reference.expressions import evaluate
 from kanegen.sweeps.axes import Formula
 
@@ -70,6 +71,35 @@ def depending_on_time(formulas: Mapping[str, Formula]) -> frozenset[str]:
         if found.intersection(formulas[name].expression.variables):
             found.add(name)
     return frozenset(found - {TIME})
+
+
+def with_rates(one: Formula, columns: Mapping[str, Floats], shape: Iterable[int]) -> tuple[Floats, ...]:
+    """Return the values of a formula, and their first and second derivatives by the time.
+
+    The derivatives are exact: dual numbers of dual numbers carry them along.
+
+    Args:
+        one: The formula.
+        columns: Values of every name in it; they broadcast with each other. Only the time changes with time.
+        shape: Shape of each result.
+    """
+    unit, zero = np.float64(1.0), np.float64(0.0)
+    known = {
+        name: Dual(Dual(values, unit), Dual(unit, zero)) if name == TIME else constant(values)
+        for name, values in columns.items()
+        if name in one.expression.variables
+    }
+    with np.errstate(all="ignore"):
+        found = evaluate(one.expression, known, constant)
+    parts = found.value.value, found.value.slope, found.slope.slope
+    size = tuple(shape)
+    return tuple(np.ascontiguousarray(np.broadcast_to(np.asarray(part, np.float64), size)) for part in parts)
+
+
+def constant(value: Value) -> Dual:
+    """Return a number that does not change with the time, with its first two derivatives."""
+    zero = np.float64(0.0)
+    return Dual(Dual(np.asarray(value, np.float64), zero), Dual(zero, zero))
 
 
 def values(one: Formula, columns: Mapping[str, Floats], shape: Iterable[int]) -> Floats:

@@ -24,7 +24,8 @@ class Inputs:
         x: (m,) coordinates where no axis sets them.
         n: Number of freedoms.
         places: For each axis the array to which its numbers belong, "parameters", "x", "y", "tau", "force",
-            "torque", "point_force" or "point_moment", and their place in it, row-major.
+            "torque", "point_force", "point_moment" or "prescribed", and their place in it, row-major. A
+            prescribed freedom has the place of its value; those of its rate and second derivative follow.
         sizes: Shape of each array of inputs, for one state.
         parameters: Names of the parameters that axes set.
         timed: Formulas of inputs that depend on the time, each after those from which it follows.
@@ -63,8 +64,9 @@ class Inputs:
                 for name, place in own.items()
                 for k, axis in enumerate(AXES)
             }
-        n = len(system.freedoms)
-        sizes = {"tau": (n,), **{load: (len(own), 3) for load, own in rows.items()}}
+        known |= {f"prescribed.{name}": ("prescribed", k) for k, name in enumerate(system.prescribed_names)}
+        n, moved = len(system.freedoms), len(system.prescribed_names)
+        sizes = {"prescribed": (3, moved), "tau": (n,), **{load: (len(own), 3) for load, own in rows.items()}}
         used = {name: known[name] for name in (*names, *timed) if name in known}
         arrays = {array for array, _ in used.values()}
         return cls(
@@ -120,15 +122,23 @@ class Inputs:
         size = len(next(iter(columns.values()))) if columns else 1
         known: dict[str, Any] = {**self.defaults, **{name: own[:, None] for name, own in columns.items()}}
         known[TIME] = times[None]
+        rates: dict[str, tuple[Floats, ...]] = {}
         for name, one in self.timed.items():
-            known[name] = formulas.values(one, known, (size, len(times)))
+            lead = size, len(times)
+            if self.places[name][0] == "prescribed":
+                numbers = formulas.with_rates(one, known, lead)
+                known[name], rates[name] = numbers[0], numbers[1:]
+            else:
+                known[name] = formulas.values(one, known, lead)
         changing = {self.places[name][0] for name in self.timed}
         found = {}
         for array, shape in self.sizes.items():
             count = len(times) if array in changing else 1
-            numbers = np.zeros((size, count, int(np.prod(shape))))
+            filled = np.zeros((size, count, int(np.prod(shape))))
             for name, (own, place) in self.places.items():
                 if own == array:
-                    numbers[:, :, place] = known[name]
-            found[array] = numbers.reshape(size, count, *shape)
+                    filled[:, :, place] = known[name]
+                    for order, values in enumerate(rates.get(name, ()), start=1):
+                        filled[:, :, place + order * shape[-1]] = values
+            found[array] = filled.reshape(size, count, *shape)
         return found

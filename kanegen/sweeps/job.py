@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from kanegen.choices import chosen, did_you_mean, known_spelling, require_one
+from kanegen.choices import chosen, did_you_mean, flag, known_spelling, require_one
 from kanegen.errors import OptionError, quoted
 from kanegen.model.system import System
 from kanegen.recursion.outputs import METHODS
@@ -35,6 +35,8 @@ class RolloutJob:
             "path" for the values at all times. Quantities are "x", "y", "x.<coordinate>", "y.<speed>",
             "energy", and every output or element of one, such as "point_positions.tip.z".
         every: Results, other than those at the end, are those at every `every`-th step.
+        compensated: Whether rounding errors of the additions to the state are added later (Kahan); it needs
+            strict semantics.
         bands: Names of quantities whose distribution over all rows is kept at every `every`-th step, without
             keeping the motions; see `SweepResult.bands`.
 
@@ -51,6 +53,7 @@ class RolloutJob:
     results: Iterable[str] = ("end.x", "end.y")
     every: int = 1
     bands: Iterable[str] = ()
+    compensated: bool = False
 
     def __post_init__(self) -> None:
         """Check every value, and that they go together."""
@@ -62,6 +65,7 @@ class RolloutJob:
             raise OptionError(f"job: step: {self.step!r} s is not positive.")
         if isinstance(self.every, bool) or not isinstance(self.every, int) or self.every < 1:
             raise OptionError(f"job: every: {quoted(self.every)} is no positive number of steps.")
+        object.__setattr__(self, "compensated", flag("job: compensated", self.compensated))
         object.__setattr__(self, "method", known_spelling(self.method, METHODS))
         require_one("method", self.method, METHODS)
         for name in ("results", "bands"):

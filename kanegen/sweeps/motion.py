@@ -68,7 +68,7 @@ class States:
         further = {
             key: value
             for key, value in self.arguments.items()
-            if key in OUTPUTS[name].inputs or key == "parameters"
+            if key in OUTPUTS[name].inputs or key in ("parameters", "prescribed")
         }
         own = {key: value for key, value in given.items() if key in OUTPUTS[name].arguments}
         found: Floats = getattr(self.library, name)(**own, **further)
@@ -219,6 +219,7 @@ class Motion:
             every=every,
             method=job.method,
             hold=HOLD,
+            compensated=job.compensated,
             **arguments,
         )
 

@@ -212,7 +212,7 @@ def _chunk_rows(programs: Sequence[Program], rows: int) -> int:
     for program in programs:
         library, job = program.library, program.job
         operations = sum(_COSTS.get(name, 1) * count for name, count in library.source.operations.items())
-        seconds = _OPERATION * operations * (_EVALUATIONS * job.count_of_steps() + job.looks()[1])
+        seconds = _OPERATION * max(operations, 1) * (_EVALUATIONS * job.count_of_steps() + job.looks()[1])
         numbers = len(library.coordinate_names) + library.n
         numbers += sum(len(result.quantities) for result in program.results) + 2 * len(program.bands)
         looks = job.looks()[1]

@@ -62,14 +62,14 @@ def sweep(
     """Compute a job for every combination of the values of some axes, in batches of C on many cores.
 
     Axes are parameters such as "m1", initial coordinates and speeds such as "x.q1" and "y.q1", inputs such as
-    "tau.q1" and "force.hand.z", and variants: "tier", "precision", "storage" and "sincos" of the code, and
-    "method", "step" and "duration" of the job. The values of an axis are a number, a list, or
-    `{"from": 0.5, "to": 2.0, "count": 16, "spacing": "log"}`; a distribution `{"uniform": [low, high]}`,
+    "tau.q1", "force.hand.z" and "prescribed.cart", and variants: "tier", "precision", "storage" and "sincos"
+    of the code, and "method", "step" and "duration" of the job. The values of an axis are a number, a list,
+    or `{"from": 0.5, "to": 2.0, "count": 16, "spacing": "log"}`; a distribution `{"uniform": [low, high]}`,
     `{"log_uniform": [low, high]}` or `{"normal": [mean, deviation]}`, which is sampled; or the text of an
     expression of other axes and parameters such as "2*x.q1", which for an input may depend on the time t.
     Rows of values for several axes that go together stand under their names with commas:
     `{"m1, m2": [[1.0, 2.0], [1.5, 1.0]]}`. All other values are combined with each other. What no axis names
-    has its default; coordinates are neutral, speeds and inputs 0.
+    has its default; coordinates are neutral, speeds and inputs 0. Each prescribed freedom needs an axis.
 
     A row whose parameters no model can have, or whose state stops being finite, has NaN and a reason. Rows do
     not depend on the executor, on the number of workers, or on each other.

@@ -18,7 +18,7 @@ from kanegen.readers.reader import read_text
 from kanegen.readers.toml import parse_toml
 from kanegen.simulation.input_tables import number_in
 from kanegen.sweeps.axes import DISTRIBUTIONS, EXTRA
-from kanegen.sweeps.design import LOADS
+from kanegen.sweeps.design import INPUTS
 from kanegen.sweeps.job import RolloutJob
 from kanegen.sweeps.sampling import Sampling
 
@@ -26,7 +26,7 @@ KEYS = ("model", "axes", "job", "samples", "folder", "format", "chunk_rows")
 """Keys of a file."""
 
 _MODEL_KEYS = ("file", "floating_base", "joint_dynamics")
-_VECTORS = ("x", "y", "tau", *LOADS)
+_VECTORS = ("x", "y", *INPUTS)
 _FORMS = ("from", "file", *DISTRIBUTIONS)
 
 

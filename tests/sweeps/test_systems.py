@@ -99,6 +99,37 @@ def test_an_iteration_that_does_not_converge_is_a_reason() -> None:
     assert found.reasons[3].startswith(start)
 
 
+def test_prescribed_motion_is_an_axis() -> None:
+    """What slides freely on a base at m sin 5 t keeps its first speed: x = 5 m t - m sin 5 t.
+
+    The base, of mass m, needs the effort -25 m^2 sin 5 t, since the block does not push it.
+    """
+    along = (False, False, False, True, False, False)
+    base = kg.Body("base", 0, kg.Parameter("m", 1.0), np.eye(3), joint=kg.Joint(free=along))
+    block = kg.Body("block", 1, 2.0, np.eye(3), joint=kg.Joint(free=along))
+    shaken = kg.System("shaken", (base, block), gravity=(0, 0, 0)).with_prescribed("base.s1")
+    job = kg.RolloutJob(2.0, 0.01, results=("path.x.block.s1", "max.prescribed_efforts"), every=10)
+    found = kg.sweep(shaken, {"m": [0.1, 0.3], "prescribed.base.s1": "m*sin(5*t)"}, job)
+    t = np.arange(21) * 0.1
+    for row, m in enumerate((0.1, 0.3)):
+        path = found.column("path.x.block.s1")[row]
+        assert np.abs(path - m * (5 * t - np.sin(5 * t))).max() < 1e-6
+        effort = found.column("max.prescribed_efforts.base.s1")[row]
+        assert effort == pytest.approx((-25 * m * m * np.sin(5 * t)).max(), rel=1e-14)
+    with pytest.raises(kg.OptionError, match=r"prescribed freedoms is missing: prescribed\.base\.s1"):
+        kg.sweep(shaken, {"m": 0.1}, job)
+    job = kg.RolloutJob(0.1, 0.01, results="end.x")
+    assert kg.sweep(shaken, {"prescribed.base.s1": 1.0}, job).column("end.x.block.s1").tolist() == [0.0]
+
+
+def test_compensated_steps_keep_more_digits_of_single_precision() -> None:
+    """A block that moves by 1e-4 m in each of 20000 steps from x = 1 m."""
+    axes = {"x.slider.s1": 1.0, "y.slider.s1": 0.1, "precision": "float"}
+    jobs = [kg.RolloutJob(20.0, 1e-3, compensated=one) for one in (False, True)]
+    ends = [kg.sweep(oscillator(0.0), axes, job).column("end.x.slider.s1")[0] for job in jobs]
+    assert abs(ends[1] - 3) < 1e-6 and abs(ends[0] - 3) > 1e-5
+
+
 def test_inputs_of_the_time_are_right_within_steps() -> None:
     """An input 2 sin(3 t) is evaluated at the stages of RK4, so that the error has order 4."""
     system = kg.load(MODELS / "cart_pole.toml")
