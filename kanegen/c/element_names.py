@@ -7,7 +7,7 @@ from itertools import zip_longest
 
 from kanegen.c.description import ModelDescription
 from kanegen.program.ir import PARAMETERS, Array
-from kanegen.recursion.outputs import DIFFERENTIATED, Product
+from kanegen.recursion.outputs import DIFFERENTIATED, SECOND_DERIVATIVES, Product
 
 Names = tuple[str, ...]
 """Names along one axis of an array; () for an axis whose places have none."""
@@ -50,8 +50,10 @@ def names_of_elements(array: Array, model: ModelDescription) -> tuple[Names, ...
         return (tuple(f"{speeds[row]} {speeds[column]}" for row, column in array.pattern),)
     names = list(_axes(array, model))
     if _has_variables(array.name):
-        last = len(array.shape) - 1
-        names = [*names[:last], *([()] * (last - len(names))), _variables(array.name, model, array.shape[-1])]
+        axes = 2 if array.name in SECOND_DERIVATIVES else 1
+        last = len(array.shape) - axes
+        variables = _variables(array.name, model, array.shape[-1])
+        names = [*names[:last], *([()] * (last - len(names))), *[variables] * axes]
     return tuple(_fitting(one, size) for one, size in zip_longest(names[: len(array.shape)], array.shape))
 
 

@@ -71,6 +71,7 @@ Outputs = Annotated[
         "forcing_input_derivatives, inverse_dynamics_input_derivatives, forward_dynamics_input_derivatives, "
         "forcing_jvp, forcing_vjp, forcing_hvp, inverse_dynamics_jvp, inverse_dynamics_vjp, "
         "inverse_dynamics_hvp, forward_dynamics_jvp, forward_dynamics_vjp, forward_dynamics_hvp, "
+        "inverse_dynamics_second_derivatives, forward_dynamics_second_derivatives, "
         "step_euler, rollout_euler, step_euler_derivatives, step_semi_implicit_euler, "
         "rollout_semi_implicit_euler, step_semi_implicit_euler_derivatives, step_rk4, rollout_rk4, "
         "step_rk4_derivatives, step_implicit_midpoint, rollout_implicit_midpoint, "

@@ -1,4 +1,4 @@
-"""Outputs that are products with derivatives of other outputs, without the derivatives themselves."""
+"""Outputs that are second derivatives of other outputs, and products with derivatives without these."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from kanegen.model.arguments import Floats, NamedInputs
 
 
 class Products(CompiledModel):
-    """Methods for derivatives along a direction, gradients, and products of Hessians with a direction.
+    """Methods for derivatives along a direction, gradients, products of Hessians, and second derivatives.
 
-    They cost a few times the output that is differentiated, whatever the number of variables. The K variables
-    are {x}, {y}, {ydot} or {tau}, then force, torque, point_force, point_moment, t, prescribed and the
-    run-time parameters, of which a system has some; `derivative_columns` gives their places.
+    Products cost a few times the output that is differentiated, whatever the number of variables. The K
+    variables are {x}, {y}, {ydot} or {tau}, then force, torque, point_force, point_moment, t, prescribed and
+    the run-time parameters, of which a system has some; `derivative_columns` gives their places.
     """
 
     def forcing_jvp(
@@ -338,3 +338,71 @@ class Products(CompiledModel):
             product = library.forward_dynamics_hvp(x, y, weights, direction)
         """
         return self._run("forward_dynamics_hvp", (x, y, weights, direction, tau, force, torque), inputs)[0]
+
+    def inverse_dynamics_second_derivatives(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        ydot: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **inputs: Unpack[NamedInputs],
+    ) -> Floats:
+        """Return the second derivatives of [A]{ydot} - {f} by {x}, {y}, {ydot} and run-time parameters.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n, K, K) or (B, n, K, K): a symmetric matrix for each freedom, whose places
+            `derivative_columns` gives, N m and N over the units of two variables.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            by = library.derivative_columns("inverse_dynamics_second_derivatives")
+            curvature = library.inverse_dynamics_second_derivatives(x, y, ydot)[:, by["x"], by["x"]]
+        """
+        return self._run("inverse_dynamics_second_derivatives", (x, y, ydot, force, torque), inputs)[0]
+
+    def forward_dynamics_second_derivatives(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        tau: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **inputs: Unpack[NamedInputs],
+    ) -> Floats:
+        """Return the second derivatives of {ydot} by {x}, {y}, {tau} and the run-time parameters.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            tau: Generalized forces, as in `forward_dynamics`.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n, K, K) or (B, n, K, K): a symmetric matrix for each freedom, whose places
+            `derivative_columns` gives, rad/s^2 and m/s^2 over the units of two variables. Those of states of
+            a batch in which [A] is singular are NaN.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+            StatusError: As `forward_dynamics_derivatives`.
+
+        Example:
+            by = library.derivative_columns("forward_dynamics_second_derivatives")
+            curvature = library.forward_dynamics_second_derivatives(x, y)[:, by["x"], by["x"]]
+        """
+        return self._run("forward_dynamics_second_derivatives", (x, y, tau, force, torque), inputs)[0]

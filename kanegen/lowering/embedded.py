@@ -10,7 +10,7 @@ from kanegen.program.constants import Constants
 from kanegen.program.ir import Array, Op, Output, Program
 from kanegen.program.passes.fold import FoldingBuilder
 from kanegen.program.passes.prune import prune
-from kanegen.program.tangent import seeded_tangents
+from kanegen.program.tangent import seeded_tangents, tangents
 
 Element = int | None
 """Number of a value in a builder, or None for a zero that is never written down."""
@@ -89,6 +89,22 @@ class Embedded:
             self._builder, self._program, self._moved, seeds, every, self._constants, mark="_dir"
         )
         return {name: [found[value].get(0) for value in values] for name, values in wanted.items()}
+
+    def derivatives(self, name: str, columns: Mapping[str, slice]) -> list[dict[int, int]]:
+        """Return the derivatives of the elements of an output that are not zero, by column.
+
+        Args:
+            name: Name of the output.
+            columns: Columns of the elements of input arrays by which it is differentiated.
+        """
+        directions = {
+            i: columns[array].start + place
+            for array in columns
+            for i, place in self._inputs.get(array, {}).items()
+        }
+        wanted = self._outputs[name].values
+        found = tangents(self._builder, self._program, self._moved, directions, wanted, self._constants)
+        return [found[value] for value in wanted]
 
     def adjoints(self, weights: Columns, by: Collection[str]) -> dict[str, Column]:
         """Return the derivatives of a weighted sum of elements of outputs, by the elements of input arrays.

@@ -10,7 +10,7 @@ from kanegen.lowering.products import with_products
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.program.ir import Program
 from kanegen.recursion import RecursiveForm
-from kanegen.recursion.outputs import PRODUCTS, input_arrays, output_array
+from kanegen.recursion.outputs import PRODUCTS, SECOND_DERIVATIVES, input_arrays, output_array
 
 
 def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DOUBLE_CONSTANTS) -> Program:
@@ -24,6 +24,6 @@ def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DO
     arrays = {output_array(form.system, name, form.methods): found for name, found in form.outputs.items()}
     program = lower_definitions(input_arrays(form.system), form.definitions, arrays, constants)
     lowered = dict(zip(form.outputs, program.outputs, strict=True))
-    others = [name for name in outputs if name not in PRODUCTS]
+    others = [name for name in outputs if name not in (*PRODUCTS, *SECOND_DERIVATIVES)]
     found = differentiated(program, form.system, lowered, others, constants, form.refinement)
     return with_products(found, program, form, lowered, outputs, constants)

@@ -26,6 +26,7 @@ from kanegen.lowering.quantities import (
     Quantity,
     Solved,
 )
+from kanegen.lowering.second_derivatives import second_derivatives
 from kanegen.model.coordinates import SPEEDS as SPEED_CHOICES
 from kanegen.model.force_elements.names import referenced_variables
 from kanegen.model.system import System
@@ -44,7 +45,7 @@ from kanegen.recursion.angular_components import (
     places_of_angles,
     torques,
 )
-from kanegen.recursion.outputs import OUTPUTS, PRODUCTS, argument_arrays, input_arrays
+from kanegen.recursion.outputs import OUTPUTS, PRODUCTS, SECOND_DERIVATIVES, argument_arrays, input_arrays
 from kanegen.recursion.outputs.differentiated import Product
 from kanegen.recursion.tree import Derived, tree
 
@@ -57,7 +58,7 @@ def with_products(
     names: Sequence[str],
     constants: Constants,
 ) -> Program:
-    """Return the program with the outputs `names`, of which some are products with derivatives.
+    """Return the program with the outputs `names`, of which some are products or second derivatives.
 
     Args:
         found: Program of those that are not.
@@ -67,10 +68,15 @@ def with_products(
         names: Names of the outputs of the result, in order.
         constants: The arithmetic of constants.
     """
-    asked = [name for name in names if name in PRODUCTS]
-    if not asked:
+    programs = [
+        _Making(program, form, outputs, constants, name).least()
+        if name in PRODUCTS
+        else second_derivatives(program, form, outputs, constants, name)
+        for name in names
+        if name in (*PRODUCTS, *SECOND_DERIVATIVES)
+    ]
+    if not programs:
         return found
-    programs = [_Making(program, form, outputs, constants, name).least() for name in asked]
     arrays = [OUTPUTS[name].array(form.system).name for name in names]
     return joined([found, *programs], [array.name for array in argument_arrays(form.system)], arrays)
 

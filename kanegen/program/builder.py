@@ -35,6 +35,11 @@ class Builder:
             self._instructions[value] = instruction.named(name, note)
         return value
 
+    def is_zero(self, value: int) -> bool:
+        """Return whether a value is the number 0."""
+        instruction = self._instructions[value]
+        return instruction.op is Op.CONSTANT and bool(instruction.number == 0)
+
     def copy(self, instruction: Instruction, operands: Sequence[int]) -> int:
         """Append an instruction of another program, applied to operands of this builder."""
         return self._value(instruction.with_operands(tuple(operands)))

@@ -8,7 +8,7 @@ method of `Library`, and one function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
-from kanegen.recursion.outputs.differentiated import Derivative, Product
+from kanegen.recursion.outputs.differentiated import Derivative, Product, SecondDerivative
 from kanegen.recursion.outputs.inputs import argument_arrays, input_arrays
 from kanegen.recursion.outputs.integrators import (
     INTEGRATORS,
@@ -46,6 +46,7 @@ from kanegen.recursion.outputs.table import (
     ERROR_BOUNDS,
     OUTPUTS,
     PRODUCTS,
+    SECOND_DERIVATIVES,
 )
 
 __all__ = [
@@ -62,6 +63,7 @@ __all__ = [
     "PRODUCTS",
     "RATES",
     "RATES_DERIVATIVES",
+    "SECOND_DERIVATIVES",
     "Derivative",
     "ErrorBound",
     "Method",
@@ -69,6 +71,7 @@ __all__ = [
     "Output",
     "Product",
     "Recursion",
+    "SecondDerivative",
     "Subject",
     "accurately_solved",
     "argument_arrays",

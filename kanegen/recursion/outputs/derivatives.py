@@ -48,12 +48,13 @@ _OF_INPUTS = ("forcing", "inverse_dynamics", "forward_dynamics")
 _NEEDS = {"forward_dynamics": ("mass_matrix", "inverse_dynamics", "forward_dynamics")}
 """Outputs whose programs give the derivatives of an output, where these are more than its own."""
 
-_INVERSE_DYNAMICS = ("inverse_dynamics_by_state", "inverse_dynamics_of_elements")
+INVERSE_DYNAMICS_PARTS = ("inverse_dynamics_by_state", "inverse_dynamics_of_elements")
+"""Names of the parts of derivatives of inverse dynamics, of which those of {ydot} are made, too."""
 
 _PARTS = {
     "forcing": ("forcing_by_state", "forcing_of_elements"),
-    "inverse_dynamics": _INVERSE_DYNAMICS,
-    "forward_dynamics": _INVERSE_DYNAMICS,
+    "inverse_dynamics": INVERSE_DYNAMICS_PARTS,
+    "forward_dynamics": INVERSE_DYNAMICS_PARTS,
 }
 """Names of the parts that give the derivatives of an output by {x} and {y}, where the system has them."""
 

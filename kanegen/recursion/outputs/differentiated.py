@@ -98,6 +98,29 @@ class Derivative(Differentiated):
 
 
 @dataclass(frozen=True)
+class SecondDerivative(Differentiated):
+    """Derivation of an output by differentiating the first derivatives of other outputs.
+
+    Attributes:
+        parts: Names of parts of first derivatives, as of `Derivative`.
+    """
+
+    parts: tuple[str, ...] = ()
+
+    @property
+    def method(self) -> str:
+        """Name of the algorithm, as documented in the generated C."""
+        return "tangents of first derivatives"
+
+    def array(self, system: System, name: str, base: Array) -> Array:
+        """Return the array of the output `name`: behind the axis of `base` two for the elements of `by`."""
+        width, places = self.width(system), self.places(system, "places")
+        doc = f"second derivatives of {self.of}, symmetric in the last two axes, which count {places}"
+        unit = f"{base.unit} over the units of two of these"
+        return Array(name, (*base.shape, width, width), unit, doc, base.condition, base.of_freedoms)
+
+
+@dataclass(frozen=True)
 class ProductKind:
     """What a product with derivatives is.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT
 from kanegen.model.system import System
 from kanegen.program.ir import Array
-from kanegen.recursion.outputs.differentiated import Derivative, Product
+from kanegen.recursion.outputs.differentiated import Derivative, Product, SecondDerivative
 from kanegen.recursion.solution import Solution
 from kanegen.recursion.tree import Derived, Tree
 
@@ -86,7 +86,7 @@ class Output:
     name: str
     array: Callable[[System], Array]
     inputs: tuple[str, ...]
-    derivation: Recursion | OfSolution | Derivative | Product | ErrorBound
+    derivation: Recursion | OfSolution | Derivative | SecondDerivative | Product | ErrorBound
     subject: Subject | None = None
 
     @property

@@ -13,11 +13,18 @@ from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
-from kanegen.recursion.outputs.differentiated import Derivative, Differentiated, Product
+from kanegen.recursion.outputs.differentiated import (
+    Derivative,
+    Product,
+    SecondDerivative,
+)
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, argument_arrays
 from kanegen.recursion.outputs.operational import OPERATIONAL_NAMES
 from kanegen.recursion.outputs.output import ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import DERIVED, OUTPUTS
+
+FROM_PROGRAMS = Derivative | SecondDerivative | Product
+"""Derivations from the programs of other outputs, which are differentiated."""
 
 
 def chosen(outputs: Iterable[str] | str, further: Iterable[str] = ()) -> tuple[str, ...]:
@@ -67,7 +74,7 @@ def holding(outputs: Iterable[str]) -> tuple[str, ...]:
 def _solves(name: str) -> bool:
     """Return whether an output is a solution of [A]{ydot} = {b} or is made from one."""
     derivation = OUTPUTS[name].derivation
-    if isinstance(derivation, Differentiated | ErrorBound):
+    if isinstance(derivation, FROM_PROGRAMS | ErrorBound):
         return bool(solving(derivation.needs))
     return isinstance(derivation, OfSolution)
 
@@ -100,16 +107,16 @@ def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple
     found: list[str] = []
     for name in outputs:
         derivation = OUTPUTS[name].derivation
-        if isinstance(derivation, Differentiated):
+        if isinstance(derivation, FROM_PROGRAMS):
             found += derivation.needs
-            if isinstance(derivation, Derivative) and system is not None and _takes_parts(derivation, system):
-                found += derivation.parts
+            if system is not None and not isinstance(derivation, Product):
+                found += derivation.parts if _takes_parts(derivation, system) else ()
         elif not isinstance(derivation, ErrorBound):
             found.append(name)
     return tuple(dict.fromkeys(found))
 
 
-def _takes_parts(derivation: Derivative, system: System) -> bool:
+def _takes_parts(derivation: Derivative | SecondDerivative, system: System) -> bool:
     """Return whether derivatives by {x} and {y} come from parts, not from the tangents of other outputs."""
     return not ("forward_dynamics" in derivation.needs and differentiates_solver(system))
 
@@ -126,7 +133,7 @@ def takes_long(system: System, name: str) -> bool:
 def method_of_program(name: str) -> str:
     """Return the method of an output that is derived from programs of other outputs, "" of any other one."""
     derivation = OUTPUTS[name].derivation
-    return derivation.method if isinstance(derivation, Derivative | Product | ErrorBound) else ""
+    return derivation.method if isinstance(derivation, FROM_PROGRAMS | ErrorBound) else ""
 
 
 def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:

@@ -23,12 +23,13 @@ from kanegen.recursion.inverse_dynamics import (
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.outputs.contacts import HELD
 from kanegen.recursion.outputs.derivatives import PARTS, derivatives_of
-from kanegen.recursion.outputs.differentiated import Derivative, Differentiated, Product
+from kanegen.recursion.outputs.differentiated import Derivative, Differentiated, Product, SecondDerivative
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import KINEMATICS
 from kanegen.recursion.outputs.operational import OPERATIONAL
 from kanegen.recursion.outputs.output import ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.outputs.products import products_of
+from kanegen.recursion.outputs.second_derivatives import second_derivatives_of
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.regressor import base_regressor, regressor
 from kanegen.recursion.solution import Solution
@@ -328,7 +329,13 @@ _ENTRIES = (
 )
 
 OUTPUTS: dict[str, Output] = {
-    output.name: output for output in (*_ENTRIES, *derivatives_of(_ENTRIES), *products_of(_ENTRIES))
+    output.name: output
+    for output in (
+        *_ENTRIES,
+        *derivatives_of(_ENTRIES),
+        *products_of(_ENTRIES),
+        *second_derivatives_of(_ENTRIES),
+    )
 }
 """The outputs by name."""
 
@@ -359,3 +366,10 @@ PRODUCTS = {
     name: output.derivation for name, output in OUTPUTS.items() if isinstance(output.derivation, Product)
 }
 """The derivations of the outputs that are products with derivatives of other outputs, by name."""
+
+SECOND_DERIVATIVES = {
+    name: output.derivation
+    for name, output in OUTPUTS.items()
+    if isinstance(output.derivation, SecondDerivative)
+}
+"""The derivations of the outputs that are second derivatives of other outputs, by name."""
