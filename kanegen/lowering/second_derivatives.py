@@ -189,7 +189,7 @@ class _Making:
 
     @cached_property
     def _solution(self) -> list[int]:
-        """The elements of {ydot}."""
+        """The solution {ydot}, element by element."""
         return Embedded(self.builder, self.first, self.constants, {}).values("acceleration")
 
     def _elimination(self, embedded: Embedded) -> Elimination:
