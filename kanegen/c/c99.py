@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import usage
+from kanegen.c.columns import Sweeps
 from kanegen.c.context import Context, context
 from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, finite_test, scalar
@@ -62,10 +63,12 @@ class C99:
     Attributes:
         name: Name of the target, as users write it.
         longest_part: Instructions of a function from which it is cut into parts.
+        has_loops: Whether it prints solutions in loops over columns.
     """
 
     name: str = "c99"
     longest_part: int = LONGEST_PART
+    has_loops: bool = True
 
     def require_name(self, name: str) -> None:
         """Refuse the name of a header of the C library, or of the example.
@@ -128,6 +131,8 @@ class C99:
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,
             "has_lower": any(one.is_filled_in_part for f in render_input.functions for one in f.outputs),
+            "column_sweeps": _sweeps(function.code for function in printed),
+            "batch_column_sweeps": _sweeps(function.simd_code for function in printed),
             "footprints": footprints(render_input, outputs),
             "scalar_headers": _header_names(function.code for function in printed),
             "batch_headers": _header_names(function.simd_code for function in printed),
@@ -182,6 +187,11 @@ def _header_names(codes: Iterable[Code]) -> list[str]:
     return [f"{elementary_header(precision)}.h" for precision in called]
 
 
+def _sweeps(codes: Iterable[Code]) -> Sweeps | None:
+    """Return the functions by which some functions solve for columns in loops, None without."""
+    return next((code.sweeps for code in codes if code.sweeps is not None), None)
+
+
 def _elementary_headers(functions: Sequence[PrintedFunction]) -> dict[str, str]:
     """Return the text of every header of elementary functions that is included, by its name."""
     called = {code.elementary for function in functions for code in (function.code, function.simd_code)}
@@ -219,7 +229,7 @@ def _finite_tests(render_input: RenderInput) -> list[FiniteTest]:
         array.name
         for function, parts in render_input.programs.items()
         for array in function.outputs
-        if usage.variable_runs(parts, array)
+        if usage.variable_runs(parts, array, function.looped)
     ]
     of_states = [render_input.formats.storage] if render_input.steps else []
     precisions = dict.fromkeys((*map(render_input.formats.of, outputs), *of_states))

@@ -12,6 +12,7 @@ from typing import Any
 
 from kanegen.c.expression import Expression, Notation, converted, literal, notation
 from kanegen.c.formats import Formats, uniform
+from kanegen.c.simd import SIMD as VECTORS
 from kanegen.c.usage import NO_NAMES, Run, element
 from kanegen.program.ir import CHOICES, TRANSCENDENTAL, WORKSPACE, Array, Op
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
@@ -101,6 +102,11 @@ class Dialect:
     def has_vector_sincos(self) -> bool:
         """Whether sines and cosines of many coordinates may be computed in SIMD lanes."""
         return self.has_lanes and self.kanegen_sincos and self.formats.every == (self.arithmetic,)
+
+    @property
+    def has_columns_in_lanes(self) -> bool:
+        """Whether several columns of a solution may be computed in SIMD lanes."""
+        return self.has_lanes and self.arithmetic in VECTORS and self.formats.every == (self.arithmetic,)
 
     @property
     def has_sincos(self) -> bool:
@@ -271,6 +277,11 @@ class SimdDialect(Dialect):
 
     @property
     def has_vector_sincos(self) -> bool:
+        """False: the lanes hold several states already."""
+        return False
+
+    @property
+    def has_columns_in_lanes(self) -> bool:
         """False: the lanes hold several states already."""
         return False
 

@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import usage
+from kanegen.c.columns import Sweeps, printed_columns
 from kanegen.c.declarations import (
     argument_list,
     batch_notes,
@@ -44,6 +45,7 @@ class Code:
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
         part_locals: Number of numbers that the locals of each part hold.
+        sweeps: Functions by which it solves for columns in loops, None without.
         takes_sines: Whether it computes a sine or a cosine by any function.
         elementary: Precision of the functions of a header `kanegen_elementary` that it calls, None without.
         before: Text of static functions that it calls, which stand before it.
@@ -58,6 +60,7 @@ class Code:
     elementary: Precision | None = None
     before: str = ""
     part_locals: tuple[int, ...] = ()
+    sweeps: Sweeps | None = None
 
 
 @dataclass(frozen=True)
@@ -188,7 +191,7 @@ def code(
     elementary = any(usage.has_operations(part, called) for part in programs)
     precision = dialect.arithmetic if elementary else None
     status = bodies[-1].status
-    if len(programs) == 1 and not flushes:
+    if len(programs) == 1 and not flushes and not function.loops:
         lines = [*bodies[0].lines, *ending(function, programs, dialect, status, infinite)]
         return Code(lines, (), most, has_sines, names, takes_sines, precision, part_locals=held)
     calls = _beginning(function, programs, dialect, flushes)
@@ -197,10 +200,22 @@ def code(
         part = _Part(f"{name}_{number}", program, dialect, function.shared)
         parts.append((part.prototype, [*one.lines, *_returned(one.status)]))
         calls += part.call()
+    sweeps = Sweeps(dialect) if function.loops else None
+    for number, loops in enumerate(function.loops, start=1):
+        columns = printed_columns(f"{name}_columns_{number}", loops, Sweeps(dialect))
+        parts.append((columns.prototype, columns.body))
+        calls += _where_possible(columns.call, status if dialect.is_scalar else "")
     if flushes:
         calls.append("    restore_mode(before);")
     calls += ending(function, programs, dialect, status and "status", infinite)
-    return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision, part_locals=held)
+    return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision, "", held, sweeps)
+
+
+def _where_possible(call: Sequence[str], status: str) -> list[str]:
+    """Return the lines of a call that is left out where a result does not exist, and is NaN already."""
+    if not status:
+        return list(call)
+    return ["    if (status <= 0) {", *(f"    {line}" for line in call), "    }"]
 
 
 def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool) -> list[str]:
@@ -233,7 +248,9 @@ def ending(
     """
     if not dialect.is_scalar:
         return _returned(status)
-    runs = [run for array in function.outputs for run in usage.variable_runs(programs, array)]
+    runs = [
+        run for array in function.outputs for run in usage.variable_runs(programs, array, function.looped)
+    ]
     if not runs:
         return _returned(status or "0")
     finite = f" &&{BREAK}".join(map(dialect.all_finite, runs))

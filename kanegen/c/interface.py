@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from kanegen.program.columns import ColumnSolution
 from kanegen.program.cut import LONGEST_PART, cut, workspace_size
 from kanegen.program.ir import (
     EVALUATE,
@@ -29,6 +30,21 @@ LARGEST_BATCH_ROW = 8192
 
 
 @dataclass(frozen=True)
+class Loops:
+    """An output that loops compute from values in the workspace.
+
+    Attributes:
+        array: The output.
+        solution: What they compute.
+        start: Place of the first value in the workspace.
+    """
+
+    array: Array
+    solution: ColumnSolution
+    start: int
+
+
+@dataclass(frozen=True)
 class Function:
     """A generated function, `<model>_<name>`, and its batch form.
 
@@ -45,6 +61,7 @@ class Function:
         has_batch: Whether it has a batch form; `prepare` has one only where parameters differ by state, and
             code for one state alone has none.
         may_not_converge: Whether an iteration finds the results, with a status where it does not converge.
+        loops: What loops compute after the last part.
     """
 
     name: str
@@ -57,6 +74,7 @@ class Function:
     may_be_inaccurate: tuple[str, ...] = ()
     has_batch: bool = True
     may_not_converge: bool = False
+    loops: tuple[Loops, ...] = ()
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -82,6 +100,11 @@ class Function:
     def fits_simd(self) -> bool:
         """Whether the arrays of a state are small enough to evaluate several states side by side."""
         return self.numbers <= LARGEST_BATCH_ROW
+
+    @property
+    def looped(self) -> tuple[Array, ...]:
+        """The outputs that loops compute after the last part."""
+        return tuple(one.array for one in self.loops)
 
     @property
     def numbers(self) -> int:
@@ -142,8 +165,22 @@ def signatures(
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
         parts = cut(program, longest)
         status = _may_fail(program), workspace_size(parts), _may_be_inaccurate(program)
-        found[Function(name, doc, program.inputs, arrays, shared, *status, batches)] = parts
+        function = Function(
+            name, doc, program.inputs, arrays, shared, *status, batches, loops=_loops(program)
+        )
+        found[function] = parts
     return found
+
+
+def _loops(program: Program) -> tuple[Loops, ...]:
+    """Return what loops compute after the parts of a program, which `cut` made."""
+    found: list[Loops] = []
+    start = 0
+    for output in program.outputs:
+        if output.solution is not None:
+            found.append(Loops(output.array, output.solution, start))
+            start += output.solution.number_of_values
+    return tuple(found)
 
 
 def prepared_names(functions: Mapping[Function, Sequence[Program]]) -> tuple[str, ...]:

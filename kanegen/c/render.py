@@ -16,6 +16,7 @@ from kanegen.choices import require_one, several
 from kanegen.errors import OptionError, quoted
 from kanegen.options import NO_DECISIONS, STRICT, Variant
 from kanegen.program import count
+from kanegen.program.expand import expanded_module, has_loops
 from kanegen.program.ir import EVALUATE, Module
 from kanegen.program.split import select_functions
 from kanegen.recursion.outputs import INTEGRATORS, differentiates
@@ -64,6 +65,9 @@ def render(
         )
     target = target_named(target)
     target.require_name(model.name)
+    if not target.has_loops and has_loops(module):
+        module = expanded_module(module)
+        operations = count.operations(module)
     chosen = _chosen(functions, module, model.speeds_are_rates)
     if chosen is not None:
         operations = count.operations(select_functions(module, chosen))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from kanegen.files import path_of
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
 from kanegen.program import precision as precisions
+from kanegen.program.expand import expanded_module
 from kanegen.program.ir import Module
 
 
@@ -78,10 +80,10 @@ class Source:
     integrators: tuple[str, ...] = ()
     footprints: tuple[Footprint, ...] = field(default=(), repr=False, compare=False)
 
-    @property
+    @cached_property
     def module(self) -> Module | None:
-        """The programs that were printed; None for a source that was not made by `render`."""
-        return self.render_input.selected if self.render_input else None
+        """The programs that were printed, without loops; None for a source that was not made by `render`."""
+        return expanded_module(self.render_input.selected) if self.render_input else None
 
     @property
     def code(self) -> dict[str, str]:

@@ -150,6 +150,11 @@ class Target(Protocol):
         """Instructions of a function from which it is cut into parts."""
         ...
 
+    @property
+    def has_loops(self) -> bool:
+        """Whether it prints solutions in loops over columns; without, it gets straight-line code for them."""
+        ...
+
     def require_name(self, name: str) -> None:
         """Refuse a model whose name the files or identifiers of this target cannot have.
 

@@ -95,7 +95,7 @@ def zero_runs(program: Program) -> list[Run]:
     return runs
 
 
-def variable_runs(parts: Sequence[Program], array: Array) -> list[Run]:
+def variable_runs(parts: Sequence[Program], array: Array, looped: Container[Array] = ()) -> list[Run]:
     """Return runs of elements of an output array, all of which are finite only if the whole array is.
 
     Constants are finite, and the first of the elements that hold the same value stands for all of them.
@@ -103,7 +103,10 @@ def variable_runs(parts: Sequence[Program], array: Array) -> list[Run]:
     Args:
         parts: The programs that fill the array in turn.
         array: The array.
+        looped: Arrays that loops fill.
     """
+    if array in looped:
+        return [Run(array, 0, array.size)]
     runs: list[Run] = []
     for index in sorted(index for part in parts for index in _first_places(part, array)):
         is_joined = runs and index - runs[-1].stop <= JOINED and _is_filled_between(array, runs[-1], index)

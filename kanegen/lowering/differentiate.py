@@ -24,6 +24,7 @@ from dataclasses import replace
 from kanegen.model.system import System
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
+from kanegen.program.columns import column_solution
 from kanegen.program.constants import Constants
 from kanegen.program.elimination import Column, Elimination
 from kanegen.program.ir import Op, Output, Program
@@ -73,6 +74,10 @@ def _needs_solver(system: System, refinement: Refinement) -> bool:
     return differentiates_solver(system) or refinement.steps > 0
 
 
+LOOPED = 20_000
+"""Operations of a solution for all columns from which loops take the place of straight-line code."""
+
+
 class _Differentiation:
     """The differentiation of a program for one output, in a builder that holds a copy of the program."""
 
@@ -110,7 +115,11 @@ class _Differentiation:
         elif through_solver:
             rows = self._tangents(base, self._moved, self._columns)
         else:
-            rows = self._rows_of_solution()
+            return self._solution(base)
+        return self._filled(base, rows)
+
+    def _filled(self, base: Output, rows: Sequence[Tangent]) -> Output:
+        """Return the output of these rows, which exists where `base` does."""
         width = self._array.row
         values = tuple(row.get(column, self._zero) for row in rows for column in range(width))
         return replace(base.renumbered(self._moved), array=self._array, values=values)
@@ -149,22 +158,34 @@ class _Differentiation:
             if instruction.op is Op.INPUT and instruction.array in by:
                 yield i, self._columns[instruction.array].start + instruction.index
 
-    def _rows_of_solution(self) -> list[Tangent]:
-        """Return the derivatives of the elements of {ydot}, by column."""
+    def _solution(self, base: Output) -> Output:
+        """Return the derivatives of {ydot}: in loops over the columns where these have many operations."""
         needed = self._rows(self._outputs["inverse_dynamics"], self._at_solution())
         elimination = self._elimination()
         tau = self._columns.get("tau", slice(0, 0))
-        solved: list[Column] = []
-        for column in range(self._array.row):
-            if tau.start <= column < tau.stop:
-                solved.append(elimination.solve({column - tau.start: self._one}))
-            else:
-                right = {row: need[column] for row, need in enumerate(needed) if column in need}
-                found = elimination.solve(right)
-                solved.append({row: self._builder.negate(value) for row, value in found.items()})
-        return [
-            {c: values[row] for c, values in enumerate(solved) if row in values} for row in range(self._n)
-        ]
+        right = {
+            column: {row: need[column] for row, need in enumerate(needed) if column in need}
+            for column in range(self._array.row)
+            if not tau.start <= column < tau.stop
+        }
+        solution = column_solution(elimination.carriers, right, tau)
+        if sum(solution.operations.values()) >= LOOPED:
+            values = elimination.values_of(solution, right, self._zero)
+            return replace(base.renumbered(self._moved), array=self._array, values=values, solution=solution)
+        solved = {column: self._solved(elimination, one) for column, one in right.items()}
+        for row, column in enumerate(range(tau.start, tau.stop)):
+            solved[column] = elimination.solve({row: self._one})
+        return self._filled(
+            base,
+            [
+                {column: solved[column][row] for column in range(self._array.row) if row in solved[column]}
+                for row in range(self._n)
+            ],
+        )
+
+    def _solved(self, elimination: Elimination, right: Column) -> Column:
+        """Return the solution {z} of [A]{z} + {b} = {0} for one column."""
+        return {row: self._builder.negate(value) for row, value in elimination.solve(right).items()}
 
     def _at_solution(self) -> dict[int, int]:
         """Return the values of the program evaluated at the solution {ydot}, by number of the value."""

@@ -17,7 +17,8 @@ def check(program: Program) -> Program:
 
     Operands are defined before use, and there are as many as the operation takes. Constants are finite.
     Inputs read an element of a declared array. Names of values are unique, and so are the names of input
-    arrays and those of output arrays. Every output element is a defined value.
+    arrays and those of output arrays. Every output element is a defined value, or loops compute it from as
+    many values as they need.
 
     Raises:
         InvariantError: If an invariant does not hold.
@@ -36,6 +37,10 @@ def check(program: Program) -> Program:
         if x.name:
             names.add(x.name)
     for output in program.outputs:
+        if output.solution is not None:
+            complete = len(output.values) == output.solution.number_of_values
+            _require(complete, f"output {output.array.name!r}: wrong number of values for its solution")
+            continue
         places = [place for place, _ in output.elements()]
         whole = len(places) == output.array.size or output.places is not None
         unique = len(places) == len(set(places)) and set(places) <= set(range(output.array.size))

@@ -30,10 +30,14 @@ PREPARE = "prepare"
 def count(program: Program) -> dict[str, int]:
     """Count the operations of one evaluation by kind; sign changes and magnitudes are free.
 
+    Loops count with every pass that they make for a column.
+
     "add" includes subtractions. "compare" counts signs, minima, maxima and conditions, and "function" calls
     of exp, log, tanh and atan2; these two are left out where there are none.
     """
     found = Counter(COUNTED[i.op] for i in program.instructions if i.op in COUNTED)
+    for output in program.outputs:
+        found.update(output.solution.operations if output.solution else {})
     return {
         kind: found[kind] for kind in dict.fromkeys(COUNTED.values()) if kind in ALWAYS_LISTED or found[kind]
     }

@@ -2,7 +2,7 @@
 
 A compiler's time grows faster than the length of the function that it compiles. A part ends where the
 derivation passes from one body to the next, if such a place is near. Values that later parts need are left in
-an array, the workspace.
+an array, the workspace. There, too, stand the values from which loops compute outputs after the last part.
 """
 
 from __future__ import annotations
@@ -32,16 +32,23 @@ def cut(program: Program, longest: int = LONGEST_PART) -> tuple[Program, ...]:
             longer stays whole.
     """
     computed = [i for i, x in enumerate(program.instructions) if x.op not in SOURCES]
-    if len(computed) <= longest:
+    of_loops = values_of_loops(program)
+    if len(computed) <= longest and not of_loops:
         return (program,)
     ranges = _ranges(program, computed, longest)
     part_of = {i: number for number, values in enumerate(ranges) for i in values}
-    slots = _workspace_slots(program, part_of, len(ranges))
-    between = Array(WORKSPACE, (1 + max(slots.values(), default=0),), "SI", "values between the parts")
+    slots = _workspace_slots(program, part_of, len(ranges), len(of_loops))
+    size = max((1 + slot for slot in slots.values()), default=0)
+    between = Array(WORKSPACE, (max(1, size, len(of_loops)),), "SI", "values between the parts")
     return tuple(
         Part(program, part_of, slots, between, number, is_last=number == len(ranges) - 1).program(values)
         for number, values in enumerate(ranges)
     )
+
+
+def values_of_loops(program: Program) -> tuple[int, ...]:
+    """Return the values from which loops compute outputs; they come first in the workspace."""
+    return tuple(value for output in program.outputs if output.solution for value in output.values)
 
 
 def workspace_size(parts: Sequence[Program]) -> int:
@@ -71,13 +78,20 @@ def _group_beginnings(program: Program, computed: Sequence[int]) -> list[bool]:
     return [True, *(before != after for before, after in pairwise(notes))]
 
 
-def _workspace_slots(program: Program, part_of: dict[int, int], parts: int) -> dict[int, int]:
-    """Return a slot of the workspace for every value that later parts read; slots are used again."""
+def _workspace_slots(program: Program, part_of: dict[int, int], parts: int, first: int = 0) -> dict[int, int]:
+    """Return a slot of the workspace for every value that later parts read; slots are used again.
+
+    Args:
+        program: The whole program.
+        part_of: Number of the part of each instruction.
+        parts: Number of parts.
+        first: The first slot; before it stand the values of loops.
+    """
     last = _last_uses(program, part_of, parts)
     slots: dict[int, int] = {}
     free: list[int] = []
     released: list[list[int]] = [[] for _ in range(parts + 1)]
-    now = used = 0
+    now, used = 0, first
     for i, part in part_of.items():
         while now < part:
             # What part `now - 1` was the last to read may be overwritten from part `now` on.
@@ -133,6 +147,7 @@ class Part:
         self._workspace = workspace
         self._number = number
         self._is_last = is_last
+        self._of_loops = values_of_loops(program)
         self._instructions: list[Instruction] = []
         self._moved: dict[int, int] = {}
 
@@ -143,10 +158,11 @@ class Part:
             operands = tuple(self._value(j) for j in instruction.operands)
             self._append(i, instruction.with_operands(operands))
         outputs = [self._output(output) for output in self._program.outputs]
-        kept = [i for i in values if i in self._slots]
-        if kept:
-            places = tuple(self._slots[i] for i in kept)
-            outputs.append(Output(self._workspace, tuple(self._moved[i] for i in kept), places=places))
+        left = [(self._slots[i], i) for i in values if i in self._slots]
+        left += [(k, i) for k, i in enumerate(self._of_loops) if self._is_own(i)]
+        if left:
+            kept = tuple(self._value(i) for _, i in left)
+            outputs.append(Output(self._workspace, kept, places=tuple(place for place, _ in left)))
         filled = tuple(output for output in outputs if output.values or output.exists_if_positive)
         read = {instruction.array for instruction in self._instructions}
         arrays = (*self._program.inputs, self._workspace)
@@ -157,9 +173,13 @@ class Part:
         """Return the place, in the program of this part, of an instruction of the whole program."""
         return self._moved[i]
 
+    def _is_own(self, i: int) -> bool:
+        """Return whether this part fills what holds value i; the first part fills numbers and inputs."""
+        return self._part_of.get(i, 0) == self._number
+
     def _output(self, output: Output) -> Output:
-        """Return the elements of an output that this part fills; the first part fills numbers and inputs."""
-        own = [(k, i) for k, i in output.elements() if self._part_of.get(i, 0) == self._number]
+        """Return the elements of an output that this part fills."""
+        own = [(k, i) for k, i in output.elements() if self._is_own(i)]
         values = tuple(self._value(i) for _, i in own)
         existence, accuracy = (
             tuple(self._value(i) for i in conditions) if self._is_last else ()

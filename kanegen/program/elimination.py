@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from kanegen.program.builder import Builder
+from kanegen.program.columns import ColumnSolution
 
 Column = dict[int, int]
 """Numbers of the values of a column by row; rows with a zero are absent."""
@@ -44,6 +45,29 @@ class Elimination:
                 for j, entry in row.items():
                     if j <= i:
                         a[i, j] = self._subtract(a.get((i, j)), builder.multiply(factor, entry))
+
+    @property
+    def carriers(self) -> dict[int, tuple[int, ...]]:
+        """Rows that the elimination of each row changes, where their factor is not zero by structure."""
+        return {k: tuple(factors) for k, factors in self._factors.items()}
+
+    def values_of(self, solution: ColumnSolution, right: Mapping[int, Column], zero: int) -> tuple[int, ...]:
+        """Return the values that loops need to solve [A]{z} + {b} = {0} for many columns.
+
+        Args:
+            solution: The plan of the loops, with `carriers`.
+            right: Elements of {b} that are not zero, by row, by column.
+            zero: The value of the number 0.
+        """
+        factors = [self._factors[k][i] for k, rows in enumerate(solution.carriers) for i in rows]
+        inverses = [self._builder.negate(self._inverses[k]) for k in range(solution.rows)]
+        given = [
+            right[column].get(row, zero)
+            for group in solution.groups
+            for row in group.given
+            for column in group.columns
+        ]
+        return (*factors, *inverses, *given)
 
     def solve(self, right: Column) -> Column:
         """Return the solution {z} for the right side {b}."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from kanegen.program.expand import expanded
 from kanegen.program.ir import Op, Program
 
 ARITHMETIC: dict[Op, Callable[..., Any]] = {
@@ -94,8 +95,10 @@ def evaluate(
         number: Converts a constant of the program to the kind of number wanted.
 
     Returns:
-        Elements of every output array in the order of `Output.values`, by name.
+        Elements of every output array in the order of `Output.values`, by name; of one that loops compute,
+        all in order.
     """
+    program = expanded(program)
     values: list[Any] = []
     with np.errstate(invalid="ignore", divide="ignore"):  # also branches are computed that are not taken
         for instruction in program.instructions:

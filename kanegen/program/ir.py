@@ -8,10 +8,12 @@ meaning here.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import prod
 from typing import Any, NamedTuple
+
+from kanegen.program.columns import ColumnSolution
 
 PARAMETERS = "parameters"
 """Name of the input array of the run-time parameters."""
@@ -225,6 +227,7 @@ class Output:
         accurate_if_positive: Values that must be positive for the elements to be accurate, as many as
             `exists_if_positive` or a multiple of it. Where one is not, the generated function returns minus
             the place, from 1, of the least of them.
+        solution: For an output that loops compute from `values`, how they do; else `values` are its elements.
     """
 
     array: Array
@@ -232,9 +235,12 @@ class Output:
     exists_if_positive: tuple[int, ...] = ()
     places: tuple[int, ...] | None = None
     accurate_if_positive: tuple[int, ...] = ()
+    solution: ColumnSolution | None = None
 
     def elements(self) -> Iterator[tuple[int, int]]:
-        """Return the index of every element that is filled, and the number of its value."""
+        """Return the index of every element that a value fills, and the number of its value."""
+        if self.solution is not None:
+            return iter(())
         return zip(range(len(self.values)) if self.places is None else self.places, self.values, strict=True)
 
     def renumbered(self, moved: Mapping[int, int] | Sequence[int]) -> Output:
@@ -243,7 +249,7 @@ class Output:
             tuple(moved[i] for i in old)
             for old in (self.values, self.exists_if_positive, self.accurate_if_positive)
         )
-        return Output(self.array, values, existence, self.places, accuracy)
+        return replace(self, values=values, exists_if_positive=existence, accurate_if_positive=accuracy)
 
 
 @dataclass(frozen=True, slots=True)

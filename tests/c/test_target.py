@@ -44,6 +44,7 @@ class Cpp:
 
     name: str = "c++"
     longest_part: int = 100_000
+    has_loops: bool = False
 
     def require_name(self, name):
         if name == "std":

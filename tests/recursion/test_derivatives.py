@@ -7,6 +7,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
+from kanegen.lowering import differentiate
 from kanegen.program.count import count
 from kanegen.recursion.outputs import DERIVATIVES
 from kanegen.reference.kinematics import kinematics
@@ -62,6 +63,17 @@ def test_derivatives_agree_with_complex_steps(seed: int, kind: str, name: str) -
     inputs = state(system, seed)
     right = expected(system, inputs, name)
     close(values(system, inputs, name)[name], right, 1e-11)
+
+
+@pytest.mark.parametrize("kind", ["angular velocities", "quaternions", "slides and hinges"])
+@pytest.mark.parametrize("seed", slow_except(range(3), 1))
+def test_derivatives_in_loops_agree_with_complex_steps(
+    seed: int, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(differentiate, "LOOPED", 0)
+    system, name = SYSTEMS[kind](seed), DYNAMICS[-1]
+    inputs = state(system, seed)
+    close(values(system, inputs, name)[name], expected(system, inputs, name), 1e-11)
 
 
 @pytest.mark.parametrize("seed", slow_except((1, 2), 1))

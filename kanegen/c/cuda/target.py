@@ -51,6 +51,7 @@ class Cuda:
     Attributes:
         name: Name of the target, as users write it.
         longest_part: Instructions of a function from which it is cut into parts.
+        has_loops: False, because solutions in loops over columns become straight-line code.
 
     Example:
         kg.generate(kg.load("models/panda_arm.toml"), ["forward_dynamics"], target="cuda").write("build/")
@@ -58,6 +59,7 @@ class Cuda:
 
     name: str = "cuda"
     longest_part: int = 3200
+    has_loops: bool = False
 
     def require_name(self, name: str) -> None:
         """Refuse the name of a header of the C library.

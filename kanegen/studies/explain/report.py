@@ -19,6 +19,7 @@ from kanegen.lowering.compilation import Compiled
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, quiet
 from kanegen.program.count import COUNTED, count
+from kanegen.program.expand import expanded
 from kanegen.program.ir import PREPARED, Program
 from kanegen.recursion.outputs import EQUATIONS, chosen
 from kanegen.studies.explain.general_form import equivalent_outputs, steps
@@ -127,7 +128,9 @@ def cost_report(
             made = compiler.compile_module(stage, equivalent_outputs(stage, names), regular=False)
         found.append(_step(without, stage, made, timed and is_end))
     alone = {name: sum(count(compiled.module.functions[name]).values()) for name in names}
-    return CostReport(system, names, tuple(found), operations_by_body(compiled.module.together), alone)
+    return CostReport(
+        system, names, tuple(found), operations_by_body(expanded(compiled.module.together)), alone
+    )
 
 
 def operations_by_body(program: Program) -> dict[int, int]:

@@ -1,0 +1,104 @@
+"""Derivatives of {ydot} in loops over columns, as C: the values and bits of straight-line code."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.lowering import differentiate
+from kanegen.options import Variant
+from tests.support import random_trees
+from tests.support.orientation_trees import close
+
+NAME = "forward_dynamics_derivatives"
+STATES = 21
+"""More than two vectors of states, and not a multiple of any."""
+
+
+def built(system: kg.System, monkeypatch: pytest.MonkeyPatch, looped: int, variant: Variant) -> kg.Library:
+    """Return the derivatives with loops from `looped` operations on."""
+    monkeypatch.setattr(differentiate, "LOOPED", looped)
+    return kg.build(system, (NAME,), tier=variant)
+
+
+def branched() -> kg.System:
+    """Return hinges on a trunk with two branches, with a run-time parameter, a force element and loads."""
+    rng = np.random.default_rng(3)
+    count = 5
+    free = np.eye(6, dtype=bool)[[0, 1, 2, 1, 0]]
+    return kg.System.from_arrays(
+        connection=[0, 1, 2, 1, 4],
+        mass=[1.0, kg.Parameter("load", 2.0), 1.0, 1.5, 1.0],
+        inertia=np.tile(np.diag([1.0, 1.2, 1.4]), (count, 1, 1)),
+        mass_center=rng.uniform(-0.1, 0.1, (count, 3)),
+        joint_position=rng.uniform(-0.3, 0.3, (count, 3)),
+        free=free,
+        loads=[False, True, False, False, False],
+        name="branched",
+    )
+
+
+@pytest.mark.parametrize(
+    "variant",
+    [
+        Variant(machine="portable"),
+        pytest.param(Variant(precision="float"), marks=pytest.mark.slow),
+        pytest.param(Variant(precision="float", storage="double"), marks=pytest.mark.slow),
+        pytest.param(Variant(precision="double-double"), marks=pytest.mark.slow),
+        pytest.param(Variant(precision="long double"), marks=pytest.mark.slow),
+    ],
+    ids=lambda variant: f"{variant.precision} {variant.storage}".strip(),
+)
+def test_loops_compute_what_straight_code_computes(variant: Variant, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the bit, but for the elements of [A]^-1, of which some are copied across the diagonal."""
+    system = branched()
+    loops, straight = (built(system, monkeypatch, looped, variant) for looped in (0, 10**9))
+    assert "solve_columns_4" in loops.source.files["branched.c"]
+    assert "solve_columns_4" not in straight.source.files["branched.c"]
+    x, y, tau = np.random.default_rng(5).uniform(-1, 1, (3, STATES, loops.n))
+    many, wanted = (one.forward_dynamics_derivatives(x, y, tau) for one in (loops, straight))
+    columns = loops.derivative_columns(NAME)["tau"]
+    others = np.r_[: columns.start, columns.stop : many.shape[2]]
+    assert (many[..., others] == wanted[..., others]).all()
+    close(many[..., columns], wanted[..., columns], 1e-4 if variant.precision == "float" else 1e-12)
+    one = np.array([loops.forward_dynamics_derivatives(*state) for state in zip(x, y, tau, strict=True)])
+    assert (one == many).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_random_trees(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With force elements, loads, motors, rotors, couplings and parameters: C against instructions."""
+    monkeypatch.setattr(random_trees, "ROTATIONS", ("two angles", "hinge", "none"))
+    system = random_trees.everything(seed, bodies=3)
+    loops, straight = (
+        built(system, monkeypatch, looped, Variant(machine="portable")) for looped in (0, 10**9)
+    )
+    read = {array.name: array for function in loops.source.functions for array in function.inputs}
+    rng = np.random.default_rng(seed)
+    inputs = {name: rng.uniform(-1, 1, (3, *read[name].shape)) for name in read if name != "prepared"}
+    found, wanted = (one.forward_dynamics_derivatives(**inputs) for one in (loops, straight))
+    close(found, wanted, 1e-11)
+
+
+@pytest.mark.parametrize("looped", [0, 10**9], ids=["loops", "straight"])
+def test_where_the_solution_does_not_exist_all_elements_are_nan(
+    looped: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A point mass on the axis of the first hinge, about which nothing has inertia."""
+    system = kg.System.from_arrays(
+        connection=[0, 1],
+        mass=[0.0, 1.0],
+        inertia=np.zeros((2, 3, 3)),
+        mass_center=[[0, 0, 0], [0, 0, 1.0]],
+        joint_position=np.zeros((2, 3)),
+        free=np.eye(6, dtype=bool)[[2, 0]],
+        name="on_axis",
+    )
+    library = built(system, monkeypatch, looped, Variant(machine="portable")).with_on_status("ignore")
+    x = np.array([[0.3, 0.0], [0.3, 0.5]])
+    found = library.forward_dynamics_derivatives(x, np.ones((2, 2)))
+    assert np.isnan(found[0]).all() and np.isfinite(found[1]).all()
+    assert np.isnan(library.forward_dynamics_derivatives(x[0], np.ones(2))).all()
+    assert (library.forward_dynamics_derivatives(x[1], np.ones(2)) == found[1]).all()
