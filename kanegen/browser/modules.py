@@ -36,12 +36,14 @@ class PageModule:
             with name, size and precision.
         sines: Number of sines and cosines of one evaluation of all outputs.
         bytes: Size of the module.
+        not_converged: Status of a step whose iteration does not converge.
     """
 
     code: str
     functions: list[dict[str, Any]]
     sines: int
     bytes: int
+    not_converged: int
 
     @classmethod
     def of(cls, system: System, outputs: Iterable[str], variant: Variant) -> PageModule:
@@ -66,6 +68,7 @@ class PageModule:
             functions=_functions(source),
             sines=source.operations["sincos"],
             bytes=len(module),
+            not_converged=source.model.not_converged,
         )
 
     def as_table(self) -> dict[str, Any]:

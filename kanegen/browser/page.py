@@ -20,11 +20,11 @@ from kanegen.errors import WriteError
 from kanegen.files import path_of, write_whole
 from kanegen.model.system import System
 from kanegen.options import STRICT, TIERS, Variant
-from kanegen.recursion.outputs.integrators import RATES
+from kanegen.recursion.outputs.integrators import METHODS, RATES
 from kanegen.viewer.scene import Scene, embedded_json
 
-STEP = "step_rk4"
-"""The function that makes the steps of competitors."""
+METHOD = "rk4"
+"""The method of the steps of competitors unless another is given."""
 
 REFERENCE = Variant(precision="double-double", storage="double-double", refinement=TIERS["exact"].refinement)
 """The variant whose rates the reference sums up."""
@@ -74,22 +74,27 @@ class Competitor:
         name: Its name.
         text: One sentence about it.
         formulation: Place of its formulation among those of the page.
-        module: Its C in WebAssembly, with the functions `step_rk4` and `forward_dynamics`.
+        module: Its C in WebAssembly, with the functions of a step and of the rates.
+        method: Name of the method of its steps, such as "rk4".
     """
 
     name: str
     text: str
     formulation: int
     module: PageModule
+    method: str = METHOD
 
     @classmethod
-    def of(cls, name: str, text: str, formulation: int, system: System, variant: Variant) -> Competitor:
+    def of(
+        cls, name: str, text: str, formulation: int, system: System, variant: Variant, method: str = METHOD
+    ) -> Competitor:
         """Return a competitor whose module is generated and compiled.
 
         Raises:
             OptionError, ModelError, SingularError, BuildError: As `PageModule.of`.
         """
-        return cls(name, text, formulation, PageModule.of(system, (STEP,), variant))
+        module = PageModule.of(system, METHODS[method].functions[:1], variant)
+        return cls(name, text, formulation, module, method)
 
 
 @dataclass(frozen=True)
@@ -210,7 +215,14 @@ class WebPage:
                 for place, one in enumerate(self.formulations)
             ],
             "competitors": [
-                {"name": one.name, "text": one.text, "formulation": one.formulation, "module": behind + place}
+                {
+                    "name": one.name,
+                    "text": one.text,
+                    "formulation": one.formulation,
+                    "module": behind + place,
+                    "step": METHODS[one.method].functions[0],
+                    "not_converged": one.module.not_converged,
+                }
                 for place, one in enumerate(self.competitors)
             ],
             "reference": {

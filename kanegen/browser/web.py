@@ -8,12 +8,14 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from kanegen.browser.page import Competitor, Formulation, Start, WebPage, reference_of
+from kanegen.browser.page import METHOD, Competitor, Formulation, Start, WebPage, reference_of
 from kanegen.browser.starts import start_of
+from kanegen.choices import known_spelling, require_one
 from kanegen.errors import ModelError, OptionError, counted, quoted
 from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import TIERS, Progress, Variant, quiet
+from kanegen.recursion.outputs.integrators import METHODS
 from kanegen.viewer.making import scene_of
 
 STEP = 1e-3
@@ -29,16 +31,25 @@ VARIANTS = {
 }
 """The variants of a page by name, each with a sentence."""
 
-_NOTES = (
-    "Every motion is computed in this page, by the C that kanegen generates for this model, compiled to "
-    "WebAssembly. All make the same steps of the classical Runge-Kutta method, without loads and "
-    "generalized forces beside those of the model. Joints do not stop at their limits.",
-    "The error is the largest angle (rad) or distance (m) between a body and where the reference has it. The "
-    "reference has double-double arithmetic, of about 32 digits. With steps of the same length it shows "
-    "errors of rounding alone; with shorter steps those of the method, too.",
-    "Evaluations are those of the generalized accelerations, one state after the other.",
-)
-"""Sentences about every page."""
+
+def _notes(method: str) -> list[str]:
+    """Return the sentences about a page whose motions make steps of a method."""
+    shown = METHODS[method].title.rstrip(",")
+    reference = (
+        "With steps of the same length it shows errors of rounding alone; with shorter steps those of the "
+        "method, too."
+        if method == METHOD
+        else "It makes steps of the classical Runge-Kutta method, so the error is that of rounding and of "
+        "the method."
+    )
+    return [
+        "Every motion is computed in this page, by the C that kanegen generates for this model, compiled to "
+        f"WebAssembly. All make the same steps of {shown}, without loads and generalized forces beside those "
+        "of the model. Joints do not stop at their limits.",
+        "The error is the largest angle (rad) or distance (m) between a body and where the reference has it. "
+        f"The reference has double-double arithmetic, of about 32 digits. {reference}",
+        "Evaluations are those of the generalized accelerations, one state after the other.",
+    ]
 
 
 def web(
@@ -47,6 +58,7 @@ def web(
     y: ArrayLike | Mapping[str, float] | None = None,
     *,
     step: float = STEP,
+    method: str = METHOD,
     progress: Progress = quiet,
 ) -> WebPage:
     """Return a page that computes motions of a system in the reader's browser, by the generated C itself.
@@ -62,11 +74,13 @@ def web(
             are turned away from their neutral position.
         y: (n,) speeds of the start, or some of them by name (rad/s, m/s); the others are 0.
         step: Length of a step (s).
+        method: Name of the method of the steps, such as "implicit_midpoint"; see docs/rollouts.md. The
+            reference always makes steps of "rk4".
         progress: Function that is called with the name of each stage.
 
     Raises:
-        OptionError: If `system` is none, has prescribed freedoms or contacts, a name does not exist, or a
-            number is not finite.
+        OptionError: If `system` is none, has prescribed freedoms or contacts, a name does not exist, the
+            system has no such steps, or a number is not finite.
         ArrayError: If `x` or `y` has another number of values.
         SingularError: If [A] is singular in every state.
         BuildError: If there is no compiler for WebAssembly, or it fails.
@@ -80,15 +94,17 @@ def web(
     require_system(system)
     _require_free(system)
     length = _length(step)
+    method = known_spelling(method, METHODS)
+    require_one("method", method, METHODS)
     scene = scene_of(system)
     start = start_of(system, scene, x, y)
     progress("compiling positions and energies")
     formulation = Formulation.of(system, scene)
-    competitors, notes = [], list(_NOTES)
+    competitors, notes = [], _notes(method)
     for name, (variant, text) in VARIANTS.items():
         progress(f"compiling {name}")
         try:
-            found = Competitor.of(name, text, 0, system, variant)
+            found = Competitor.of(name, text, 0, system, variant, method)
         except ModelError as error:
             if variant.precision == "double":
                 raise

@@ -29,6 +29,14 @@ def web(
     x: X = None,
     y: Y = None,
     step: Annotated[float, typer.Option("--step", metavar="SECONDS", help="Length of a step, s.")] = 1e-3,
+    method: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Method of the steps: euler, semi_implicit_euler, rk4, implicit_midpoint, "
+            "variational_midpoint or linearly_implicit.",
+        ),
+    ] = "rk4",
     open_: Annotated[bool, typer.Option("--open", help="Show the page in the browser.")] = False,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
@@ -56,7 +64,7 @@ def web(
     file = output or Path(f"{system.identifier}.html")
     require_writable(file)
     with progress() as report:
-        page(system, *state, step=step, progress=report).save(file)
+        page(system, *state, step=step, method=method, progress=report).save(file)
     print_plain(f"wrote {file}")
     if open_:
         typer.launch(file.absolute().as_uri())

@@ -25,7 +25,7 @@ class Page {
     Object.assign(this, { root, data, isPlaying: false, speed: 1, length: data.step, time: 0 });
     this.mechanisms = data.formulations.map((one) => new Mechanism(evaluators[one.module], one));
     this.competitors = data.competitors.map((one, i) => ({
-      ...one, color: COLORS[i % COLORS.length], evaluator: evaluators[one.module], runner: new Runner(evaluators[one.module]), mechanism: this.mechanisms[one.formulation],
+      ...one, color: COLORS[i % COLORS.length], evaluator: evaluators[one.module], runner: new Runner(evaluators[one.module], one.step), mechanism: this.mechanisms[one.formulation],
     }));
     this.reference = { ...data.reference, evaluator: evaluators[data.reference.module], runner: new Reference(evaluators[data.reference.module]), mechanism: this.mechanisms[data.reference.formulation] };
     this.parameters = data.parameters.map((one) => one.value);
@@ -158,9 +158,10 @@ class Page {
     }
   }
 
-  #reason({ formulation, runner: { stopped } }) {
+  #reason({ formulation, not_converged: notConverged, runner: { stopped } }) {
     const { freedoms } = this.data.formulations[formulation];
     if (!stopped.status) return "what depends on these parameters is not finite";
+    if (stopped.status === notConverged) return "the step is too long, its iteration does not converge";
     return stopped.status <= freedoms.length ? `[A] is singular at ${freedoms[stopped.status - 1]}` : "the result is not finite";
   }
 

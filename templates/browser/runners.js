@@ -1,9 +1,10 @@
-// Motions in steps of the classical Runge-Kutta method: by the C of a variant, and by the reference in pairs of doubles.
+// Motions in steps: by the C of a variant, and by the reference, the classical Runge-Kutta method in pairs of doubles.
 
-/** A motion whose steps are made by the function `step_rk4` of a module. */
+/** A motion whose steps are made by a function of a module, such as "step_rk4". */
 class Runner {
-  constructor(evaluator) {
+  constructor(evaluator, step) {
     this.evaluator = evaluator;
+    this.makeStep = evaluator.calls[step];
   }
 
   /** Puts the motion at its start and returns whether there is one: the parameters may be those of no model. */
@@ -16,11 +17,11 @@ class Runner {
 
   /** Makes steps of a length (s) until one has no result. */
   advance(count, length) {
-    const { arrays, calls } = this.evaluator;
+    const { arrays } = this.evaluator;
     arrays.step[0] = length;
     for (let i = 0; i < count && !this.stopped; i++) {
       if (arrays.t) arrays.t[0] = this.steps * length;
-      const status = calls.step_rk4();
+      const status = this.makeStep();
       if (status > 0) {
         this.stopped = { steps: this.steps, status };
         return;

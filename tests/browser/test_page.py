@@ -121,6 +121,24 @@ def require_bits_of_native_code(page, system, place, name):
         assert same or np.array_equal(ours, values, equal_nan=True), (name, key)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["implicit_midpoint", "linearly_implicit"])
+def test_other_methods_have_the_bits_of_native_rollouts(browser, folder, method):
+    """Twenty steps of 10 ms; a step of 3 s of the implicit midpoint rule says that it is too long."""
+    system, x, y = model("double_pendulum"), [2.0, 1.5], [0.0, 0.0]
+    found = opened(browser, folder, kg.web(system, x, step=0.01, method=method))
+    ask(found, "page.advance(20);")
+    library = load(kg.generate(system, (f"rollout_{method}",)), on_status="ignore")
+    expected = library.rollout(x, y, steps=20, step=0.01)
+    assert ask(found, "return [...page.competitors[0].runner.x];") == expected.x[-1].tolist()
+    assert ask(found, "return [...page.competitors[0].runner.y];") == expected.y[-1].tolist()
+    if method == "implicit_midpoint":
+        reason = ask(found, "page.length = 3; page.advance(1); page.show(); return page.rows[0].error.title;")
+        assert reason == "the step is too long, its iteration does not converge"
+    assert found.messages == []
+    found.close()
+
+
 @pytest.mark.parametrize(("place", "name"), list(enumerate(VARIANTS)))
 def test_chromium_computes_the_bits_of_native_code(pendulum, place, name):
     require_bits_of_native_code(pendulum, model("double_pendulum"), place, name)
