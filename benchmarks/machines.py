@@ -1,17 +1,26 @@
 """Code for all processors, in versions, and for this one: times, bits, and what a call from Python adds.
 
 python -m benchmarks.machines [MODEL ...]
+python -m benchmarks.machines --count [MODEL ...]
 
-All programs take turns in every round. A row has the median time of a call and how many times as fast as
-portable code the program is, the median of the rounds with its 95 % confidence interval. With the usual
-models this takes about two minutes, most of it compilation, which a second run does not need.
+Without --count it prints times. All programs take turns in every round. A row has the median time of a call
+and how many times as fast as portable code the program is, the median of the rounds with its 95 % confidence
+interval. With the usual models this takes about two minutes, most of it compilation, which a second run does
+not need.
+
+With --count it prints how many instructions the functions of each version consist of, and how many of these
+access the stack: exact figures for the C compiler at hand, whatever else runs. Code for one state has no
+loops but those of sines and cosines in vectors, so most instructions are executed once.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -22,7 +31,8 @@ from benchmarks.embedding.row import turn_of
 from kanegen.c import Source
 from kanegen.c.versions import VERSIONS
 from kanegen.library import load
-from kanegen.library.native import compilers, selftest
+from kanegen.library.native import commands, compilers, selftest
+from kanegen.library.native.build import code, write
 from kanegen.measure.machine import Machine
 from kanegen.measure.timing import Times, speedup
 from kanegen.options import Variant
@@ -76,10 +86,38 @@ def main() -> None:
         prog="python -m benchmarks.machines", description=__doc__.splitlines()[0]
     )
     parser.add_argument("models", nargs="*", default=["ur5", "panda"], metavar="MODEL")
+    parser.add_argument("--count", action="store_true", help="count instructions instead")
     options = parser.parse_args()
     for name in options.models:
-        _measure(name, models.system(name))
+        (_count if options.count else _measure)(name, models.system(name))
     print("\n".join(Machine.here().lines()))
+
+
+def _count(name: str, system: kg.System) -> None:
+    """Print the instructions and the accesses of the stack of one state and of a vector of states."""
+    source = kg.generate(system, ("mass_matrix", "forcing", OUTPUT), tier=Variant(machine="multiversioned"))
+    flags = _flags(Program("", source.variant), source)
+    with tempfile.TemporaryDirectory() as folder:
+        write(code(source), Path(folder))
+        for file in (f"{name}.c", f"{name}_batch.c"):
+            command = [*compilers.find().command, "-std=c99", *flags, "-c", file, "-o", "object.o"]
+            commands.make(command, "object.o", Path(folder))
+            listing = commands.output(["objdump", "-d", "--no-show-raw-insn", "object.o"], Path(folder))
+            for function, counts in _counts(listing, name).items():
+                shown = (f"{one.name} {counts[one.bits][0]} ({counts[one.bits][1]})" for one in VERSIONS)
+                print(f"{function}: instructions (of them with the stack) {', '.join(shown)}", flush=True)
+
+
+def _counts(listing: str, model: str) -> dict[str, dict[int, tuple[int, int]]]:
+    """Return instructions and accesses of the stack of every function with its parts, by bits of vectors."""
+    found: dict[str, dict[int, tuple[int, int]]] = {}
+    for name, bits, body in re.findall(r"<(\w+?)_(128|256|512)>:\n((?:\s+[0-9a-f]+:.*\n)+)", listing):
+        if name.startswith(model):
+            function = re.sub(r"(_simd)?(_\d+)?$", "", name)
+            before = found.setdefault(function, {}).get(int(bits), (0, 0))
+            stack = len(re.findall(r"\(%r[sb]p", body))
+            found[function][int(bits)] = before[0] + body.count("\n"), before[1] + stack
+    return {function: counts for function, counts in found.items() if len(counts) == len(VERSIONS)}
 
 
 def _measure(name: str, system: kg.System) -> None:
