@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from kanegen.measure.timing import speedup
 from kanegen.studies.bench import Comparison, Entry, table
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON
-from kanegen.studies.bench.results import QUANTITIES
+from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, QUANTITIES, of_peers
 from kanegen.studies.bench.settings import AS_SHIPPED, DEFAULT, PORTABLE, Setting
 from kanegen.studies.markdown import markdown_table
 
@@ -51,14 +51,15 @@ class Case:
 
         A peer without batches computes one state a call. A library in compiled form chooses its instructions.
         """
+        quantity = of_peers(self.quantity)
         found = [
-            comparison.best(name, self.quantity, None, batch, self.setting.instructions, self.cores)
+            comparison.best(name, quantity, None, batch, self.setting.instructions, self.cores)
             for batch in (False, self.batch)
         ]
         shipped = [
             entry
             for entry in comparison.entries
-            if (entry.participant, entry.task.quantity, entry.cores) == (name, self.quantity, self.cores)
+            if (entry.participant, entry.task.quantity, entry.cores) == (name, quantity, self.cores)
             and entry.setting.name == AS_SHIPPED.name
             and entry.times.rounds
             and entry.task.batch in (False, self.batch)
@@ -145,7 +146,7 @@ def gains_of_default(comparisons: Sequence[Comparison], setting: Setting) -> str
 def calls(comparisons: Sequence[Comparison]) -> str:
     """Return the table of calls from C and from Python, and the difference; one row for each model."""
     head, rows = [""], [[comparison.model] for comparison in comparisons]
-    for quantity in QUANTITIES[:2]:
+    for quantity in (EQUATIONS, DYNAMICS):
         head += [f"{table.TITLES[quantity]} from C, ns", "from Python", "beyond"]
         for comparison, row in zip(comparisons, rows, strict=True):
             own, call = comparison.best(KANEGEN, quantity, DEFAULT), comparison.best(PYTHON, quantity)

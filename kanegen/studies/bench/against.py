@@ -15,6 +15,7 @@ from kanegen.errors import OptionError
 from kanegen.measure.timing import Change, change
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON, Comparison, Entry
 from kanegen.studies.bench.record import Record
+from kanegen.studies.bench.results import of_peers
 
 LEAST_ROUNDS = 5
 """Number of rounds below which two runs cannot be compared."""
@@ -164,7 +165,7 @@ def _peer(later: Comparison, before: dict[Key, Entry], entry: Entry) -> Entry | 
     """Return the first entry of another program, for the same quantity, that both comparisons timed."""
     for one in later.entries:
         is_other = one.participant not in OWN and one.times.rounds and _key(one) in before
-        if is_other and (one.task.quantity, one.cores) == (entry.task.quantity, entry.cores):
+        if is_other and (one.task.quantity, one.cores) == (of_peers(entry.task.quantity), entry.cores):
             return one
     return None
 

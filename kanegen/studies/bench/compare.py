@@ -17,7 +17,7 @@ from kanegen.reference.states import states_away_from_gimbal_lock
 from kanegen.studies.bench.comparison import UNTIMED, Absence, BenchOptions, Comparison, Entry
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.registry import PEERS, participants
-from kanegen.studies.bench.results import Results, difference
+from kanegen.studies.bench.results import Results, difference, of_peers
 from kanegen.studies.bench.settings import AS_SHIPPED, DEFAULT, NATIVE
 from kanegen.studies.bench.states import limits_note, without_couplings, without_loads_and_parameters
 
@@ -92,13 +92,13 @@ def evaluate(
     standard: Results = {}
     for participant, results in computed.items():
         for task in participant.tasks:
-            standard.setdefault(task.quantity, results[task.name])
+            standard.setdefault(of_peers(task.quantity), results[task.name])
     entries = {
         (participant, task.name): Entry(
             participant.name,
             participant.setting,
             task,
-            error=difference(results[task.name], standard[task.quantity], task.quantity),
+            error=difference(results[task.name], standard[of_peers(task.quantity)], task.quantity),
         )
         for participant, results in computed.items()
         for task in participant.tasks
@@ -144,7 +144,8 @@ def on_all_cores(
 
 def _is_of(entry: Entry, participant: Participant) -> bool:
     """Return whether an entry belongs to a participant."""
-    return (entry.participant, entry.setting) == (participant.name, participant.setting)
+    same = (entry.participant, entry.setting) == (participant.name, participant.setting)
+    return same and entry.task in participant.tasks
 
 
 def take_turns(

@@ -28,7 +28,10 @@ INVERSE_DERIVATIVES = "inverse derivatives"
 What a state has as {tau} is {ydot} here.
 """
 
-QUANTITIES = (EQUATIONS, DYNAMICS, DERIVATIVES, INVERSE_DERIVATIVES)
+LOWER = "lower equations"
+"""The quantity [A] as its lower triangle and {f}, a part of what peers compute for `EQUATIONS`."""
+
+QUANTITIES = (EQUATIONS, LOWER, DYNAMICS, DERIVATIVES, INVERSE_DERIVATIVES)
 """All quantities that are compared and timed."""
 
 BY_DIFFERENCES = 1e-3
@@ -58,11 +61,17 @@ class Task:
         derivatives = (3 * n, n)
         of = {
             EQUATIONS: (n + 1, n),
+            LOWER: (n + 1, n),
             DYNAMICS: (1, n),
             DERIVATIVES: derivatives,
             INVERSE_DERIVATIVES: derivatives,
         }
         return self.shape or of[self.quantity]
+
+
+def of_peers(quantity: str) -> str:
+    """Return the quantity of peers with which one of kanegen is compared."""
+    return EQUATIONS if quantity == LOWER else quantity
 
 
 Results = dict[str, Floats]
@@ -99,7 +108,7 @@ def difference(ours: Floats, theirs: Floats, quantity: str) -> float:
     if quantity in (DERIVATIVES, INVERSE_DERIVATIVES):
         mine, right = (values.reshape(-1, n, 3, n) for values in (ours, theirs))
         return max(_relative(mine[:, :, k], right[:, :, k], _size(right[:, :, k])) for k in range(3))
-    if quantity != EQUATIONS:
+    if quantity not in (EQUATIONS, LOWER):
         return _relative(ours, theirs, _size(theirs))
     matrix, vector = theirs[:, :-1], theirs[:, -1:]
     least = np.maximum(_size(vector), 1e-3 * _size(matrix))

@@ -13,11 +13,14 @@ from kanegen.studies.bench.results import (
     DYNAMICS,
     EQUATIONS,
     INVERSE_DERIVATIVES,
+    LOWER,
     QUANTITIES,
+    of_peers,
 )
 
 TITLES = {
     EQUATIONS: "A + f",
+    LOWER: "A (lower) + f",
     DYNAMICS: "forward dynamics",
     DERIVATIVES: "derivatives of forward dynamics",
     INVERSE_DERIVATIVES: "derivatives of inverse dynamics",
@@ -130,5 +133,5 @@ def _row(comparison: Comparison, entry: Entry) -> list[str]:
     if not entry.times.rounds:
         return [*row, "not timed", "", "", f"{entry.error:.0e}"]
     spread = f"{ns(entry.times.least)}-{ns(entry.times.largest)}"
-    share = ratio(entry, comparison.best(comparison.standard, task.quantity, cores=entry.cores))
+    share = ratio(entry, comparison.best(comparison.standard, of_peers(task.quantity), cores=entry.cores))
     return [*row, ns(entry.median), spread, share, f"{entry.error:.0e}"]

@@ -1,18 +1,11 @@
-/* Driver of the functions `equations` and `dynamics` that CasADi wrote, and with -DDERIVATIVES of `derivatives` and
+/* Driver of the functions `equations` and `dynamics` that CasADi wrote, or with -DDERIVATIVES of `derivatives` and
  * `inverse_derivatives`. */
 #include "driver.h"
 
 #include <stdlib.h>
 
+typedef int Sizes(long long *arguments, long long *results, long long *integers, long long *work);
 typedef int Function(const double **arguments, double **results, long long *integers, double *work, int memory);
-Function equations, dynamics;
-int equations_work(long long *arguments, long long *results, long long *integers, long long *work);
-int dynamics_work(long long *arguments, long long *results, long long *integers, long long *work);
-#ifdef DERIVATIVES
-Function derivatives, inverse_derivatives;
-int derivatives_work(long long *arguments, long long *results, long long *integers, long long *work);
-int inverse_derivatives_work(long long *arguments, long long *results, long long *integers, long long *work);
-#endif
 
 typedef struct {
     const double **arguments;
@@ -22,14 +15,9 @@ typedef struct {
 } Room;
 
 static States pool;
-static double *A, *f, *ydot;
-static Room of_equations, of_dynamics;
-#ifdef DERIVATIVES
-static double *jacobian;
-static Room of_derivatives, of_inverse;
-#endif
+static double *values_of[2]; /* results of a function */
 
-static Room room(int (*sizes)(long long *, long long *, long long *, long long *))
+static Room room(Sizes *sizes)
 {
     long long arguments, results, integers, work;
     sizes(&arguments, &results, &integers, &work);
@@ -37,93 +25,86 @@ static Room room(int (*sizes)(long long *, long long *, long long *, long long *
                   calloc(integers + 1, sizeof(long long)), calloc(work + 1, sizeof(double))};
 }
 
-static void run_equations(size_t state)
+/* Call a function with the first `count` of x, y and tau. */
+static void call(Function *function, Room r, size_t state, size_t count)
 {
-    Room r = of_equations;
-    r.arguments[0] = pool.x + state * pool.n;
-    r.arguments[1] = pool.y + state * pool.n;
-    r.results[0] = A;
-    r.results[1] = f;
-    equations(r.arguments, r.results, r.integers, r.work, 0);
-}
-
-static void run(Function *function, Room r, size_t state, double *result)
-{
-    r.arguments[0] = pool.x + state * pool.n;
-    r.arguments[1] = pool.y + state * pool.n;
-    r.arguments[2] = pool.tau + state * pool.n;
-    r.results[0] = result;
+    const double *inputs[] = {pool.x, pool.y, pool.tau};
+    for (size_t i = 0; i < count; i++) r.arguments[i] = inputs[i] + state * pool.n;
+    for (size_t i = 0; i < 4 - count; i++) r.results[i] = values_of[i];
     function(r.arguments, r.results, r.integers, r.work, 0);
 }
 
-static void run_dynamics(size_t state)
+static double *copied(double *to, const double *from, size_t count)
 {
-    run(dynamics, of_dynamics, state, ydot);
+    while (count--) *to++ = *from++;
+    return to;
 }
+
+#define FUNCTION(name, count)                \
+    Function name;                           \
+    Sizes name##_work;                       \
+    static Room of_##name;                   \
+    static void run_##name(size_t state)     \
+    {                                        \
+        call(name, of_##name, state, count); \
+    }
 
 #ifdef DERIVATIVES
-static void run_derivatives(size_t state)
-{
-    run(derivatives, of_derivatives, state, jacobian);
-}
+FUNCTION(derivatives, 3)
+FUNCTION(inverse_derivatives, 3)
 
-static void run_inverse_derivatives(size_t state)
-{
-    run(inverse_derivatives, of_inverse, state, jacobian);
-}
-
-static void give_derivatives(size_t state, double *values)
+static void give_jacobian(size_t state, double *values)
 {
     (void)state;
-    for (size_t i = 0; i < 3 * pool.n * pool.n; i++) values[i] = jacobian[i];
+    copied(values, values_of[0], 3 * pool.n * pool.n);
 }
-#endif
+#else
+FUNCTION(equations, 2)
+FUNCTION(dynamics, 3)
 
 static void give_equations(size_t state, double *values)
 {
-    const size_t n = pool.n;
     (void)state;
-    for (size_t i = 0; i < n * n; i++) values[i] = A[i];
-    for (size_t i = 0; i < n; i++) values[n * n + i] = f[i];
+    copied(copied(values, values_of[0], pool.n * pool.n), values_of[1], pool.n);
 }
 
 static void give_dynamics(size_t state, double *values)
 {
     (void)state;
-    for (size_t i = 0; i < pool.n; i++) values[i] = ydot[i];
+    copied(values, values_of[0], pool.n);
 }
+#endif
 
 void driver_setup(const States *states, int argc, char **argv)
 {
     (void)argc;
     (void)argv;
     pool = *states;
-    A = aligned_numbers(pool.n * pool.n);
-    f = aligned_numbers(pool.n);
-    ydot = aligned_numbers(pool.n);
+    for (int i = 0; i < 2; i++) values_of[i] = aligned_numbers(3 * pool.n * pool.n);
+#ifdef DERIVATIVES
+    of_derivatives = room(derivatives_work);
+    of_inverse_derivatives = room(inverse_derivatives_work);
+#else
     of_equations = room(equations_work);
     of_dynamics = room(dynamics_work);
-#ifdef DERIVATIVES
-    jacobian = aligned_numbers(3 * pool.n * pool.n);
-    of_derivatives = room(derivatives_work);
-    of_inverse = room(inverse_derivatives_work);
 #endif
 }
 
 size_t driver_tasks(const Task **tasks)
 {
+#ifdef DERIVATIVES
+    static Task every[] = {
+        {"derivatives", run_derivatives, give_jacobian, 0, 1},
+        {"inverse derivatives", run_inverse_derivatives, give_jacobian, 0, 1},
+    };
+    every[0].size = every[1].size = 3 * pool.n * pool.n;
+#else
     static Task every[] = {
         {"equations", run_equations, give_equations, 0, 1},
         {"dynamics", run_dynamics, give_dynamics, 0, 1},
-#ifdef DERIVATIVES
-        {"derivatives", run_derivatives, give_derivatives, 0, 1},
-        {"inverse derivatives", run_inverse_derivatives, give_derivatives, 0, 1},
-#endif
     };
     every[0].size = pool.n * pool.n + pool.n;
     every[1].size = pool.n;
-#ifdef DERIVATIVES
-    every[2].size = every[3].size = 3 * pool.n * pool.n;
 #endif
     *tasks = every;
     return sizeof every / sizeof *every;

@@ -1,4 +1,4 @@
-/* Driver of the functions `equations` and `dynamics`, and with -DDERIVATIVES of `derivatives` and
+/* Driver of the functions `equations` and `dynamics`, or with -DDERIVATIVES of `derivatives` and
  * `inverse_derivatives`, each of which takes x, y and tau one behind the other and returns one array. */
 #include "driver.h"
 
@@ -22,11 +22,12 @@ static double *results;
         for (size_t i = 0; i < (count); i++) values[i] = results[i];      \
     }
 
-TASK(equations, n *n + n)
-TASK(dynamics, n)
 #ifdef DERIVATIVES
 TASK(derivatives, 3 * n * n)
 TASK(inverse_derivatives, 3 * n * n)
+#else
+TASK(equations, n *n + n)
+TASK(dynamics, n)
 #endif
 
 void driver_setup(const States *states, int argc, char **argv)
@@ -47,18 +48,19 @@ void driver_setup(const States *states, int argc, char **argv)
 
 size_t driver_tasks(const Task **tasks)
 {
+#ifdef DERIVATIVES
+    static Task every[] = {
+        {"derivatives", run_derivatives, give_derivatives, 0, 1},
+        {"inverse derivatives", run_inverse_derivatives, give_inverse_derivatives, 0, 1},
+    };
+    every[0].size = every[1].size = 3 * n * n;
+#else
     static Task every[] = {
         {"equations", run_equations, give_equations, 0, 1},
         {"dynamics", run_dynamics, give_dynamics, 0, 1},
-#ifdef DERIVATIVES
-        {"derivatives", run_derivatives, give_derivatives, 0, 1},
-        {"inverse derivatives", run_inverse_derivatives, give_inverse_derivatives, 0, 1},
-#endif
     };
     every[0].size = n * n + n;
     every[1].size = n;
-#ifdef DERIVATIVES
-    every[2].size = every[3].size = 3 * n * n;
 #endif
     *tasks = every;
     return sizeof every / sizeof *every;

@@ -6,6 +6,8 @@ Body Dynamics Algorithms (2008), chapters 5 and 6. Importing this module needs C
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi
 from casadi import SX
 
@@ -16,30 +18,67 @@ from kanegen.studies.bench.peers.casadi_joints import Motion, Moved, Tree, moved
 from kanegen.studies.bench.peers.joints import single_joints
 
 
-def code(system: System, derives: bool = False) -> dict[str, str]:
+def functions(system: System) -> dict[str, str]:
     """Generate the C of [A] and {f} and of forward dynamics, by the method with fewer instructions.
-
-    Args:
-        system: The model.
-        derives: Whether to generate the C of the derivatives of forward and inverse dynamics, too.
 
     Returns:
         Texts by name of the file.
     """
-    gravity, n = system.values().gravity, len(system.freedoms)
-    x, y, tau = (casadi.SX.sym(name, n) for name in ("x", "y", "tau"))
-    tree = moved(single_joints(system), x)
-    matrix, vector = mass_matrix(tree), forcing(tree, gravity, y)
-    equations = casadi.Function("equations", [x, y], [casadi.densify(matrix), casadi.densify(vector)])
-    methods = [articulated(tree, gravity, y, tau), factorised(tree, matrix, vector + tau)]
-    dynamics = [casadi.Function("dynamics", [x, y, tau], [casadi.densify(method)]) for method in methods]
-    functions = [equations, _cheapest(dynamics)]
-    if derives:
-        inputs = [x, y, tau]
-        functions.append(_cheapest([_jacobian("derivatives", method, inputs) for method in methods]))
-        loads = inverse_dynamics(tree, gravity, y, tau)
-        functions.append(_jacobian("inverse_derivatives", loads, inputs))
-    return {f"{function.name()}.c": _text(function) for function in functions}
+    problem = _Symbols.of(system)
+    matrix, vector = mass_matrix(problem.tree), forcing(problem.tree, problem.gravity, problem.y)
+    equations = casadi.Function(
+        "equations", [problem.x, problem.y], [casadi.densify(matrix), casadi.densify(vector)]
+    )
+    methods = [casadi.Function("dynamics", problem.all, [casadi.densify(one)]) for one in problem.methods]
+    return _texts([equations, _cheapest(methods)])
+
+
+def derivatives(system: System) -> dict[str, str]:
+    """Generate the C of the derivatives of forward and inverse dynamics.
+
+    Returns:
+        Texts by name of the file.
+    """
+    problem = _Symbols.of(system)
+    forward = [_jacobian("derivatives", method, problem.all) for method in problem.methods]
+    loads = inverse_dynamics(problem.tree, problem.gravity, problem.y, problem.tau)
+    return _texts([_cheapest(forward), _jacobian("inverse_derivatives", loads, problem.all)])
+
+
+@dataclass(frozen=True)
+class _Symbols:
+    """The symbols of a system: coordinates, speeds, generalized forces or accelerations, moved joints."""
+
+    x: SX
+    y: SX
+    tau: SX
+    tree: Tree
+    gravity: Floats
+
+    @classmethod
+    def of(cls, system: System) -> _Symbols:
+        """Return new symbols for a system."""
+        x, y, tau = (casadi.SX.sym(name, len(system.freedoms)) for name in ("x", "y", "tau"))
+        return cls(x, y, tau, moved(single_joints(system), x), system.values().gravity)
+
+    @property
+    def all(self) -> list[SX]:
+        """Coordinates, speeds and generalized forces."""
+        return [self.x, self.y, self.tau]
+
+    @property
+    def methods(self) -> list[SX]:
+        """The accelerations {ydot} by every method."""
+        right = forcing(self.tree, self.gravity, self.y) + self.tau
+        return [
+            articulated(self.tree, self.gravity, self.y, self.tau),
+            factorised(self.tree, mass_matrix(self.tree), right),
+        ]
+
+
+def _texts(found: list[casadi.Function]) -> dict[str, str]:
+    """Return the C of functions by name of the file."""
+    return {f"{function.name()}.c": _text(function) for function in found}
 
 
 def _jacobian(name: str, values: SX, inputs: list[SX]) -> casadi.Function:

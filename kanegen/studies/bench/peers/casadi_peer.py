@@ -17,28 +17,26 @@ MOST_DERIVATIVE_FREEDOMS = 20
 """Largest number of freedoms for which CasADi derives: a compiler takes too long for the C of larger
 models."""
 
-_DERIVATIVES = ("derivatives.c", "inverse_derivatives.c")
-"""Files of the derivatives, which are left out of portable code to save time of compilers."""
-
 
 def builders(problem: Problem) -> Builders:
-    """Yield the builder of one participant for each compiler setting."""
-    yield CASADI, functools.partial(_build, problem)
+    """Yield the builders of the functions and of the derivatives, which a compiler may not finish."""
+    yield CASADI, functools.partial(_build, problem, False)
+    if len(problem.system.freedoms) <= MOST_DERIVATIVE_FREEDOMS:
+        yield f"{CASADI}, derivatives", functools.partial(_build, problem, True)
 
 
-def _build(problem: Problem) -> list[Participant]:
+def _build(problem: Problem, derives: bool) -> list[Participant]:
     """Build the participants of all compiler settings."""
     module("casadi")
-    derives = len(problem.system.freedoms) <= MOST_DERIVATIVE_FREEDOMS
-    files = module("kanegen.studies.bench.peers.casadi_code").code(problem.system, derives)
-    settings = here((DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2))
-    return [_participant(problem, files, setting, derives and setting != PORTABLE) for setting in settings]
+    code = module("kanegen.studies.bench.peers.casadi_code")
+    files = (code.derivatives if derives else code.functions)(problem.system)
+    settings = here((DEFAULT, DEFAULT_AVX2, *(() if derives else (PORTABLE,)), NATIVE, NATIVE_AVX2))
+    return [_participant(problem, files, setting, derives) for setting in settings]
 
 
 def _participant(problem: Problem, files: dict[str, str], setting: Setting, derives: bool) -> Participant:
     """Return the participant of one compiler setting."""
-    needed = files if derives else {name: text for name, text in files.items() if name not in _DERIVATIVES}
-    texts = {"casadi.c": driver("casadi.c"), **needed}
+    texts = {"casadi.c": driver("casadi.c"), **files}
     program = compiled("casadi", texts, (*setting.flags, *(["-DDERIVATIVES"] if derives else [])))
-    tasks = (*SINGLE_STATE_TASKS, *DERIVATIVES_TASKS) if derives else SINGLE_STATE_TASKS
+    tasks = DERIVATIVES_TASKS if derives else SINGLE_STATE_TASKS
     return Participant(CASADI, setting, (str(program),), problem.states_file, tasks)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import functools
 import pickle
 import sys
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from kanegen import compiler
 from kanegen.c import Source
@@ -17,7 +17,7 @@ from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, SINGLE_STATE_TASKS, Builders, Problem
-from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, Task
+from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, LOWER, Task
 from kanegen.studies.bench.settings import (
     DEFAULT,
     DEFAULT_AVX2,
@@ -29,6 +29,8 @@ from kanegen.studies.bench.settings import (
 )
 
 OUTPUTS = {EQUATIONS: BOTH, DYNAMICS: ("forward_dynamics",)}
+"""The outputs of the C that is also called from Python, by quantity."""
+
 SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2)
 """The compiler settings in which kanegen's C is timed, as far as the processor has them."""
 
@@ -36,38 +38,67 @@ _INVERSE = "inverse"
 """End of the name of the model whose C has [A] and the derivatives of inverse dynamics."""
 
 
+@dataclass(frozen=True)
+class _Program:
+    """The parts of a driver of kanegen's C.
+
+    Attributes:
+        files: Texts by relative path.
+        flags: Compiler flags beside those of the setting.
+        tasks: Tasks that it computes, each of one state and then of a batch.
+    """
+
+    files: Mapping[str, str]
+    flags: tuple[str, ...]
+    tasks: tuple[Task, ...]
+
+
 def builders(problem: Problem) -> Builders:
-    """Yield the builders of one participant for each compiler setting and of one that is a Python process."""
-    sources = {quantity: compiler.generate(problem.system, outputs) for quantity, outputs in OUTPUTS.items()}
-    files = _files(sources)
+    """Yield the builders of participants for each compiler setting and of one that is a Python process.
+
+    Derivatives are programs of their own, so that the others are timed where a compiler fails with those.
+    """
+    system, name = problem.system, f"-DMODEL={problem.system.identifier}"
+    sources = {quantity: compiler.generate(system, outputs) for quantity, outputs in OUTPUTS.items()}
+    lower = {LOWER: compiler.generate(system, BOTH, mass_matrix="lower")}
+    programs = {
+        KANEGEN: _program("kanegen.c", sources, (name,), SINGLE_STATE_TASKS),
+        f"{KANEGEN}, lower triangle of [A]": _program(
+            "kanegen_lower.c", lower, (name,), (Task("lower", LOWER),)
+        ),
+    }
     if problem.has_derivatives:
-        inverse = replace(problem.system, name=f"{problem.system.name}_{_INVERSE}")
+        inverse = replace(system, name=f"{system.name}_{_INVERSE}")
         derived = {
-            DERIVATIVES: compiler.generate(problem.system, ("forward_dynamics_derivatives",)),
+            DERIVATIVES: compiler.generate(system, ("forward_dynamics_derivatives",)),
             _INVERSE: compiler.generate(inverse, ("mass_matrix", "inverse_dynamics_derivatives")),
         }
-        files |= _files(derived)
-    for setting in here(SETTINGS):
-        yield f"{KANEGEN} {setting.name}", functools.partial(_participant, problem, files, setting)
+        flags = (name, f"-DINVERSE={system.identifier}_{_INVERSE}")
+        programs[f"{KANEGEN}, derivatives"] = _program(
+            "kanegen_derivatives.c", derived, flags, DERIVATIVES_TASKS
+        )
+    for title, program in programs.items():
+        for setting in here(SETTINGS):
+            yield f"{title} ({setting.name})", functools.partial(_participant, problem, program, setting)
     yield PYTHON, functools.partial(_from_python, problem, sources)
 
 
-def _files(sources: Mapping[str, Source]) -> dict[str, str]:
-    """Return the C files of all sources, one folder for each quantity, since their names are the same."""
-    return {
+def _program(
+    main: str, sources: Mapping[str, Source], flags: tuple[str, ...], tasks: Sequence[Task]
+) -> _Program:
+    """Return a driver with the C of all sources, one folder for each, since their names are the same."""
+    files = {
         f"{folder}/{name}": text for folder, source in sources.items() for name, text in code(source).items()
     }
+    drivers = {name: driver(name) for name in ("kanegen_blocks.h", main)}
+    both = tuple(one for task in tasks for one in (task, _in_batches(task)))
+    return _Program({**drivers, **files}, flags, both)
 
 
-def _participant(problem: Problem, files: Mapping[str, str], setting: Setting) -> list[Participant]:
-    """Return the participant of one compiler setting."""
-    flags = [*setting.flags, f"-DMODEL={problem.system.identifier}"]
-    tasks = [*SINGLE_STATE_TASKS, *map(_in_batches, SINGLE_STATE_TASKS)]
-    if problem.has_derivatives:
-        flags.append(f"-DINVERSE={problem.system.identifier}_{_INVERSE}")
-        tasks += [both for task in DERIVATIVES_TASKS for both in (task, _in_batches(task))]
-    program = compiled(KANEGEN, {"kanegen.c": driver("kanegen.c"), **files}, flags)
-    return [Participant(KANEGEN, setting, (str(program),), problem.states_file, tuple(tasks))]
+def _participant(problem: Problem, program: _Program, setting: Setting) -> list[Participant]:
+    """Return the participant of one program in one compiler setting."""
+    file = compiled(KANEGEN, program.files, (*setting.flags, *program.flags))
+    return [Participant(KANEGEN, setting, (str(file),), problem.states_file, program.tasks)]
 
 
 def _in_batches(task: Task) -> Task:

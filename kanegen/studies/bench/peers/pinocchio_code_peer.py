@@ -30,14 +30,19 @@ GENERATE_SECONDS = 300
 """Time limit of the generator for one model."""
 
 
+_FUNCTIONS = ("equations", "dynamics")
+_DERIVATIVES = ("derivatives", "inverse_derivatives")
+
+
 def builders(problem: Problem) -> Builders:
-    """Yield the builder of one participant for each compiler setting."""
-    yield PINOCCHIO_CODE, functools.partial(_build, problem)
+    """Yield the builders of the functions and of the derivatives, which a compiler may not finish."""
+    yield PINOCCHIO_CODE, functools.partial(_build, problem, False)
+    if len(problem.system.freedoms) <= MOST_DERIVATIVE_FREEDOMS:
+        yield f"{PINOCCHIO_CODE}, derivatives", functools.partial(_build, problem, True)
 
 
-def _build(problem: Problem) -> list[Participant]:
+def _build(problem: Problem, derives: bool) -> list[Participant]:
     """Build the participants of all compiler settings."""
-    derives = len(problem.system.freedoms) <= MOST_DERIVATIVE_FREEDOMS
     files = {"functions.c": driver("functions.c"), **_code(problem, derives)}
     return [_participant(problem, files, setting, derives) for setting in here((NATIVE, NATIVE_AVX2))]
 
@@ -46,22 +51,25 @@ def _participant(problem: Problem, files: dict[str, str], setting: Setting, deri
     """Return the participant of one compiler setting."""
     flags = (*setting.flags, *(["-DDERIVATIVES"] if derives else []))
     command = (str(compiled("pinocchio_code", files, flags)),)
-    tasks = (*SINGLE_STATE_TASKS, *DERIVATIVES_TASKS) if derives else SINGLE_STATE_TASKS
+    tasks = DERIVATIVES_TASKS if derives else SINGLE_STATE_TASKS
     return Participant(PINOCCHIO_CODE, setting, command, problem.states_file, tasks)
 
 
 def _code(problem: Problem, derives: bool) -> dict[str, str]:
     """Return the C of a model by name of the file."""
-    table = problem.write("code-joints", joint_table(problem.system, single_joints(problem.system)))
+    names = _DERIVATIVES if derives else _FUNCTIONS
     with tempfile.TemporaryDirectory() as folder:
-        command = [str(_generator()), table, folder, *(["derivatives"] if derives else [])]
+        table = Path(folder) / "joints"
+        table.write_text(joint_table(problem.system, single_joints(problem.system)), encoding="utf-8")
+        command = [str(_generator()), str(table), folder, *(["derivatives"] if derives else [])]
         try:
             done = commands.run(command, seconds=GENERATE_SECONDS)
         except commands.TimeLimitError:
             raise MissingError(f"its generator did not finish in {GENERATE_SECONDS} s") from None
         if done.returncode:
             raise MissingError(f"its generator failed with status {done.returncode}")
-        return {file.name: file.read_text(encoding="utf-8") for file in sorted(Path(folder).iterdir())}
+        files = [Path(folder) / f"{name}.c" for name in names]
+        return {file.name: file.read_text(encoding="utf-8") for file in files}
 
 
 def _generator() -> Path:
