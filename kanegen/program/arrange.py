@@ -1,48 +1,40 @@
-"""Reorder a long program so that values are used soon after they are computed.
+"""Choose the order in which the instructions of a program stand, by what a processor executes for it.
 
 A derivation goes body by body and carries every column of [A] along. With many columns, more values are alive
-than a processor has registers, and each of them waits in memory. In the order made here a few rows of a
-matrix are finished, with all that they need, before the next rows begin.
+than a processor has registers, and each of them waits in memory. Programs with divisions, for which others
+wait, leave a processor idle unless the longest chain of operations goes on. No order changes a bit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from kanegen.program.cut import cut
+from kanegen.program.ir import Op, Program
+from kanegen.program.machine import instructions
+from kanegen.program.orders import by_rows, depth_first, longest_chain_first
 
-from kanegen.program.ir import Program
-from kanegen.program.selection import dependencies, subprogram
+SEEN = 400
+"""Instructions of a program that a processor sees at once, so that their order does not matter."""
 
-LONG = 4000
-"""Number of instructions from which the order matters; shorter programs lose more overlap than they save."""
+GAIN = 0.95
+"""Largest share of the instructions of the derived order that another order has where it is taken."""
 
-ROWS = 6
-"""Rows of a matrix that are finished together: enough to overlap, few enough to keep their values near."""
+COUNTED = 20000
+"""Number of instructions up to which orders are compared; for longer programs counting takes too long, and
+computing each result in turn has always gained."""
 
 
 def arrange(program: Program) -> Program:
-    """Reorder a long program to compute a few rows of its outputs at a time, the last rows first."""
-    if len(program.instructions) <= LONG:
+    """Return the program in the order that is likely to take least time, which is its own if it is short."""
+    length = len(program.instructions)
+    if length <= SEEN:
         return program
-    done: set[int] = set()
-    order: list[int] = []
-    for wanted in _groups(program):
-        missing = dependencies(program, wanted, done)
-        done.update(missing)
-        order += missing
-    return subprogram(program, order)
-
-
-def _groups(program: Program) -> Iterator[list[int]]:
-    """Yield results that are computed together: vectors, rows of matrices up to the diagonal, the rest."""
-    for output in program.outputs:
-        if not output.array.is_matrix:
-            yield [*output.values, *output.exists_if_positive, *output.accurate_if_positive]
-    for output in program.outputs:
-        if output.array.is_matrix:
-            rows: dict[int, list[int]] = {}
-            for index, value in output.elements():
-                row, column = output.array.entry(index)
-                rows.setdefault(row, []).extend([value] if column <= row else [])
-            for last in range(max(rows, default=-1) + 1, 0, -ROWS):
-                yield [value for row in range(max(0, last - ROWS), last) for value in rows.get(row, ())]
-    yield list(program.results())
+    if length > COUNTED:
+        return depth_first(program)
+    parts = cut(program)
+    if len(parts) == 1:
+        waits = any(x.op in (Op.DIVIDE, Op.SQRT) for x in program.instructions)
+        return longest_chain_first(program) if waits else program
+    others = [by_rows(program), depth_first(program)]
+    counts = [instructions(cut(other)) for other in others]
+    least = min(counts)
+    return others[counts.index(least)] if least <= GAIN * instructions(parts) else program
