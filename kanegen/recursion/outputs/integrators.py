@@ -211,8 +211,9 @@ def require_steps(system: System, integrators: Iterable[str], storage: str) -> N
             )
         if system.contacts:
             raise OptionError(
-                f"output {name!r}: system {quoted(system.name)} has contacts, which steps do not hold. Leave "
-                "them out by System.with_contacts([])."
+                f"output {name!r}: system {quoted(system.name)} has contacts, which steps do not hold: "
+                "contact_dynamics holds accelerations, and states that follow from them drift off. Integrate "
+                "contact_dynamics and correct the states, or leave contacts out by System.with_contacts([])."
             )
         if INTEGRATORS[name].needs_further is None and not system.speeds_are_rates:
             raise OptionError(
