@@ -14,22 +14,27 @@ import kanegen as kg
 EIGHT_BODY = Path(__file__).parents[1] / "models" / "eight_body.toml"
 ROBOTS = {"ur5": "ur5_robot", "panda": "panda", "baxter": "baxter"}
 FLOATING = {"hyq": "hyq_no_sensors", "talos_reduced": "talos_reduced"}
-LINKS = 64
+
+LARGE = {"g1": "g1_29dof_rev_1_0"}
+"""Floating robots that studies take by name alone."""
 
 NAMES = (*ROBOTS, *FLOATING, "eight_body", "chain64")
 
 
 def system(name: str) -> kg.System:
-    """Return the system `name`, one of `NAMES`, without loads, which not every peer takes."""
+    """Return the system `name`, one of `NAMES` or `LARGE`, without loads, which not every peer takes.
+
+    A chain may have any number of links, as in "chain256".
+    """
     if name == "eight_body":
         loaded = kg.load(EIGHT_BODY)
         return replace(loaded, bodies=tuple(replace(body, loads=False) for body in loaded.bodies))
-    if name == "chain64":
-        return revolute_chain(LINKS)
+    if name.startswith("chain"):
+        return revolute_chain(int(name.removeprefix("chain")))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", kg.KanegenWarning)
-        if name in FLOATING:
-            return replace(kg.load(_urdf(FLOATING[name]), floating_base=True), name=name)
+        if stem := (FLOATING | LARGE).get(name):
+            return replace(kg.load(_urdf(stem), floating_base=True), name=name)
         return replace(kg.load(_urdf(ROBOTS[name])), name=name)
 
 

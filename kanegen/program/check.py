@@ -29,7 +29,9 @@ def check(program: Program) -> Program:
         _require(len(group) == len(set(group)), f"array names are not unique: {group}")
     names: set[str] = set()
     for i, x in enumerate(program.instructions):
-        is_applied = len(x.operands) == ARITY[x.op] and all([0 <= j < i for j in x.operands])
+        operands = x.operands
+        is_known = not operands or (min(operands) >= 0 and max(operands) < i)
+        is_applied = is_known and len(operands) == ARITY[x.op]
         is_finite = x.op is not Op.CONSTANT or math.isfinite(x.number)
         is_read = x.op is not Op.INPUT or 0 <= x.index < sizes.get(x.array, 0)
         if not (is_applied and is_finite and is_read) or x.name in names:

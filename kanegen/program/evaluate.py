@@ -100,6 +100,7 @@ def evaluate(
     """
     program = expanded(program)
     values: list[Any] = []
+    computing = dict(ARITHMETIC)
     with np.errstate(invalid="ignore", divide="ignore"):  # also branches are computed that are not taken
         for instruction in program.instructions:
             if instruction.op is Op.CONSTANT:
@@ -107,6 +108,8 @@ def evaluate(
             elif instruction.op is Op.INPUT:
                 values.append(inputs[instruction.array][instruction.index])
             else:
-                compute = ARITHMETIC.get(instruction.op) or function(instruction.op, functions)
-                values.append(compute(*(values[operand] for operand in instruction.operands)))
+                compute = computing.get(instruction.op)
+                if compute is None:
+                    compute = computing[instruction.op] = function(instruction.op, functions)
+                values.append(compute(*[values[operand] for operand in instruction.operands]))
     return {output.array.name: [values[value] for value in output.values] for output in program.outputs}

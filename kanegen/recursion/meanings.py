@@ -186,6 +186,7 @@ NAMES = (
     ),
     ("w_{K}_{x}", "twice omega_K"),
     ("v_{K}_{x}", "velocity by the translations of joint K, in J (m/s)"),
+    ("wh_{K}_{x}", "half of the angular velocity of K in its lower body"),
     ("ww_{K}_{xx}", "products of components of omega_K"),
     ("ww_{K}_d{i}", "difference of two squares in ww_K"),
     ("W_{K}_{x}_{y}", "[alpha~] + [omega~][omega~] of body K, row by row"),

@@ -62,7 +62,7 @@ class FoldingBuilder(Builder):
         """Append an instruction of another program by the method for its operation."""
         match instruction.op:
             case Op.CONSTANT:
-                return self.constant(instruction.number)
+                return self._value(Instruction(Op.CONSTANT, number=instruction.number))
             case Op.INPUT:
                 return self.input(instruction.array, instruction.index, instruction.name)
             case Op.ADD:
