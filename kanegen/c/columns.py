@@ -152,7 +152,7 @@ def _body(loops: Loops, sweeps: Sweeps) -> list[str]:
         size=array.size,
         columns=sum(len(group.columns) for group in loops.solution.groups),
         operations=sum(loops.solution.operations.values()),
-        row=array.row,
+        row=array.size // loops.solution.rows,
         block=f"{sweeps.most}*KANEGEN_LANES" if sweeps.in_lanes else sweeps.most,
         zero=sweeps.every(sweeps.zero),
         minus_one=sweeps.constant(-1.0),

@@ -43,7 +43,7 @@ def expanded_module(module: Module) -> Module:
 def _solved(builder: Builder, output: Output, solution: ColumnSolution) -> Output:
     """Return an output whose loops become instructions of a builder."""
     expansion = _Expansion(builder, solution, output.values)
-    width = output.array.row
+    width = output.array.size // solution.rows
     elements = [expansion.zero] * output.array.size
     for group, right in expansion.groups():
         for place, column in enumerate(group.columns):

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from benchmarks import models
 from kanegen.lowering import differentiate
 from kanegen.options import Variant
 from tests.support import random_trees
+from tests.support.cases import slow_except
 from tests.support.orientation_trees import close
 
 NAME = "forward_dynamics_derivatives"
@@ -102,3 +104,14 @@ def test_where_the_solution_does_not_exist_all_elements_are_nan(
     assert np.isnan(found[0]).all() and np.isfinite(found[1]).all()
     assert np.isnan(library.forward_dynamics_derivatives(x[0], np.ones(2))).all()
     assert (library.forward_dynamics_derivatives(x[1], np.ones(2)) == found[1]).all()
+
+
+@pytest.mark.parametrize("links", slow_except((8, 16, 32, 64), 8))
+def test_code_is_linear_in_the_number_of_pairs_of_freedoms(
+    links: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Straight lines are left for derivatives of inverse dynamics, so many lines for each pair."""
+    monkeypatch.setattr(differentiate, "LOOPED", 0)
+    source = kg.generate(models.revolute_chain(links), (NAME,), batches=False)
+    lines = len(source.files[f"chain{links}.c"].splitlines())
+    assert lines < 120 * links * (links + 1) / 2
