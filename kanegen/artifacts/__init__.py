@@ -49,6 +49,11 @@ def _not_in_c(source: Source) -> str:
     return "" if source.target == "c99" else f"it is for C, not for {source.target}"
 
 
+def _not_described(source: Source) -> str:
+    """Return why a source cannot have a README, "" if it can."""
+    return "" if source.target == "cuda" else _not_in_c(source)
+
+
 ARTIFACTS: dict[str, Artifact] = {
     artifact.name: artifact
     for artifact in (
@@ -73,7 +78,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "readme",
             "Describes files, arrays and costs.",
             readme,
-            _not_in_c,
+            _not_described,
             is_default=True,
             places=("README.md",),
         ),

@@ -22,7 +22,8 @@ def pkg_config(source: Source) -> dict[str, str]:
 
 def readme(source: Source) -> dict[str, str]:
     """Return `README.md`, which describes files, arrays, parameters, costs and accuracy."""
-    return {"README.md": fill("artifacts/README.md", **_variables(source))}
+    folder = "cuda" if source.target == "cuda" else "artifacts"
+    return {"README.md": fill(f"{folder}/README.md", **_variables(source))}
 
 
 def _variables(source: Source) -> Context:
@@ -37,6 +38,7 @@ def _variables(source: Source) -> Context:
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
         "parameters_by_state": source.parameters_by_state,
         "footprints": source.footprints,
+        "device_headers": [name for name in source.code if name.startswith("kanegen_")],
         "headers": [name for files in source.beside.values() for name in files if _is_header(name)],
         "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],
     }
