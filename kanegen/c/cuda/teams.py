@@ -120,7 +120,7 @@ def _worker(
             *lines,
             *ending(function, found.programs, dialect, printed.status, not_finite(render_input.model)),
         ]
-    text = "\n".join(lines)
+    text = re.sub(r"/\*.*?\*/", "", "\n".join(lines), flags=re.DOTALL)
     arrays = {array.name: state(array) for array in (*function.inputs, *function.outputs)}
     arrays |= {WORKSPACE: WORKSPACE, **{name: name for name in function.shared}}
     used = [one for one in arrays if re.search(rf"\b{one}\b", text)]
