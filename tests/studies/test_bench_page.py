@@ -76,9 +76,8 @@ def test_a_case_that_is_not_certain_counts_as_behind() -> None:
     noisy = entry("CasADi", DEFAULT, 100.0)
     rounds = Times(tuple(100.0 + 30 * (-1) ** k for k in range(9)))
     near = Entry("CasADi", DEFAULT, noisy.task, 1e-15, rounds)
-    assert [row[3] for row in summaries.behind(record(*FASTER, near).comparisons)] == [
-        "CasADi, default, AVX-512"
-    ]
+    rows = summaries.behind(record(*FASTER, near).comparisons)
+    assert {row[3] for row in rows} == {"CasADi, default, AVX-512"}
 
 
 def test_programs_are_compared_with_the_same_vector_instructions() -> None:

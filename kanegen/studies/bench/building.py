@@ -26,7 +26,11 @@ def driver(name: str) -> str:
 
 
 def compiled(
-    name: str, files: Mapping[str, str], flags: Sequence[str], libraries: Sequence[str] = ("-lm",)
+    name: str,
+    files: Mapping[str, str],
+    flags: Sequence[str],
+    libraries: Sequence[str] = ("-lm",),
+    seconds: float | None = None,
 ) -> Path:
     """Compile the program that `files` make together with drivers/driver.c.
 
@@ -35,6 +39,7 @@ def compiled(
         files: Texts by relative path; those that end in .c or .cpp are compiled.
         flags: Compiler flags of these files.
         libraries: Arguments of the linker after the objects.
+        seconds: Time limit of the compiler for each file (s); None for `TIME_LIMIT`.
 
     Raises:
         BuildError: If there is no C compiler, or the cache folder cannot be used.
@@ -43,7 +48,7 @@ def compiled(
     texts = {shared: driver(shared) for shared in _SHARED} | dict(files)
     own = {file: flags for file in files if file.endswith((".c", ".cpp"))}
     try:
-        return program(name, texts, {**_SHARED_FLAGS, **own}, libraries, TIME_LIMIT)
+        return program(name, texts, {**_SHARED_FLAGS, **own}, libraries, seconds or TIME_LIMIT)
     except TimeLimitError as error:
         raise MissingError(f"the compiler took more than {error.seconds:g} s") from None
     except CommandError as error:

@@ -39,6 +39,9 @@ BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by defa
 """Compiler flags without which Pinocchio's headers do not compile."""
 
 
+COMPILE_SECONDS = 1800
+"""Time limit of the compiler, which takes three minutes on a quiet machine."""
+
 _SETTINGS = (NATIVE, NATIVE_AVX2)
 """The compiler settings in which Pinocchio is timed."""
 
@@ -108,7 +111,7 @@ def _program(setting: Setting, name: str = "pinocchio.cpp") -> Path:
     eigen = headers("cmeel-eigen", "eigen3/Eigen/Core") / "eigen3"
     flags = (*BOOST, *setting.flags, f"-I{include}", f"-I{eigen}")
     files = {file: driver(file) for file in ("pinocchio_model.h", name)}
-    return compiled(name.removesuffix(".cpp"), files, flags)
+    return compiled(name.removesuffix(".cpp"), files, flags, seconds=COMPILE_SECONDS)
 
 
 def joint_table(system: System, tree: Sequence[Joint]) -> str:
