@@ -45,6 +45,7 @@ def branched() -> kg.System:
     "variant",
     [
         Variant(machine="portable"),
+        pytest.param(Variant(machine="multiversioned"), marks=pytest.mark.slow),
         pytest.param(Variant(precision="float"), marks=pytest.mark.slow),
         pytest.param(Variant(precision="float", storage="double"), marks=pytest.mark.slow),
         pytest.param(Variant(precision="double-double"), marks=pytest.mark.slow),
