@@ -4,7 +4,7 @@ python -m benchmarks.derivatives [MODEL ...]
 python -m benchmarks.derivatives --build [MODEL ...]
 
 Without --build it prints additions, multiplications and divisions of the derivatives of inverse and forward
-dynamics.
+dynamics, and those of products with derivatives of {ydot}, its value included, over those of {ydot}.
 With --build it prints the time of a state in batches by portable code, by code for AVX2 and by the default of
 this processor, medians of interleaved rounds, and whether all bits are equal.
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 import kanegen as kg
 from benchmarks import models
-from kanegen.compiler import compile_candidate
+from kanegen.compiler import compile_candidate, compile_module
 from kanegen.lowering.accept import accept
 from kanegen.lowering.conditioning import condition
 from kanegen.measure.machine import Machine
@@ -28,6 +28,7 @@ from kanegen.program.count import count
 from kanegen.recursion.outputs.derivatives import PARTS
 
 OUTPUTS = ("inverse_dynamics_derivatives", "forward_dynamics_derivatives")
+PRODUCTS = ("jvp", "vjp", "hvp")
 ARITHMETIC = ("add", "multiply", "divide")
 STATES = 4096
 ROUNDS = 15
@@ -49,6 +50,7 @@ def main() -> None:
             for output in OUTPUTS:
                 tangents, least = _operations(system, output)
                 print(f"{name} {output}: tangents alone {tangents}, as generated {least}", flush=True)
+            _print_products(name, system)
     if options.build:
         print("\n".join(Machine.here().lines()))
 
@@ -63,6 +65,22 @@ def _operations(system: kg.System, output: str) -> tuple[int, int]:
         programs = [compile_candidate(request, way).module.functions[output] for way in candidates]
         least.append(min(sum(count(program)[kind] for kind in ARITHMETIC) for program in programs))
     return least[0], least[1]
+
+
+def products(system: kg.System) -> dict[str, float]:
+    """Return the operations of {ydot} and each product with its derivatives, over those of {ydot}."""
+    names = [("forward_dynamics",), *(("forward_dynamics", f"forward_dynamics_{one}") for one in PRODUCTS)]
+    costs = []
+    for outputs in names:
+        operations = compile_module(system, outputs).operations
+        costs.append(sum(operations[kind] for kind in ARITHMETIC))
+    return {one: cost / costs[0] for one, cost in zip(PRODUCTS, costs[1:], strict=True)}
+
+
+def _print_products(name: str, system: kg.System) -> None:
+    """Print the costs of products with derivatives of {ydot}."""
+    ratios = ", ".join(f"{one} {ratio:.2f}" for one, ratio in products(system).items())
+    print(f"{name} forward_dynamics with products, over forward_dynamics: {ratios}", flush=True)
 
 
 def _print_times(name: str, system: kg.System) -> None:

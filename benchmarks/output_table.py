@@ -15,7 +15,7 @@ from kanegen.compiler import compile_module
 from kanegen.errors import KanegenError
 from kanegen.files import write_whole
 from kanegen.recursion.outputs import OUTPUTS
-from kanegen.recursion.outputs.output import Derivative
+from kanegen.recursion.outputs.differentiated import Differentiated
 from kanegen.studies.markdown import markdown_table
 
 PAGE = Path(__file__).parents[1] / "docs" / "outputs.md"
@@ -62,7 +62,7 @@ def _words(name: str, systems: dict[str, kg.System]) -> tuple[str, str]:
 def _costs(name: str, systems: dict[str, kg.System]) -> Iterator[str]:
     """Yield the operations of an output alone, by model."""
     for model, system in systems.items():
-        is_long = isinstance(OUTPUTS[name].derivation, Derivative) and model == "talos_reduced"
+        is_long = isinstance(OUTPUTS[name].derivation, Differentiated) and model == "talos_reduced"
         yield "-" if is_long else _cost(name, system)
 
 

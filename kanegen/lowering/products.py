@@ -69,7 +69,7 @@ def with_products(
         constants: The arithmetic of constants.
     """
     programs = [
-        _Making(program, form, outputs, constants, name).least()
+        Making(program, form, outputs, constants, name).least()
         if name in PRODUCTS
         else second_derivatives(program, form, outputs, constants, name)
         for name in names
@@ -82,7 +82,7 @@ def with_products(
 
 
 @dataclass(frozen=True)
-class _Making:
+class Making:
     """The making of the program of a product.
 
     Attributes:

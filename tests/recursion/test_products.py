@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from benchmarks import models
+from benchmarks.derivatives import products
 from kanegen.compiler import compile_module
 from kanegen.options import Variant
 from kanegen.program.evaluate import evaluate
@@ -149,3 +151,12 @@ def test_arrays_and_columns() -> None:
         kind = PRODUCTS[name].kind
         array = OUTPUTS[name].array(system)
         assert array.shape == ((width,) if kind.is_weighted else (len(system.freedoms),))
+
+
+@pytest.mark.parametrize("name", slow_except(("ur5", "panda", "hyq", "talos_reduced"), "ur5"))
+def test_the_cost_of_gradients_and_of_products_with_hessians(name: str) -> None:
+    """With the value of {ydot}, at most 2.4 and 6.5 times the operations of {ydot} alone."""
+    ratios = products(models.system(name))
+    assert ratios["jvp"] <= 2.4
+    assert ratios["vjp"] <= 2.4
+    assert ratios["hvp"] <= 6.5
