@@ -16,7 +16,8 @@ from kanegen.model.arrays import Floats as Doubles
 from kanegen.model.grammar import syntax_tree
 from kanegen.recursion.outputs import OUTPUTS
 from kanegen.simulation.elements import elements
-from kanegen.simulation.motion import Motion
+from kanegen.simulation.motion import Motion, speeds_are_rates
+from kanegen.simulation.sampled_inputs import sampled
 from kanegen.simulation.signals import Signal, state_variables
 from kanegen.simulation.stretches import Integrator, Stretch
 
@@ -174,17 +175,30 @@ class Watch:
 
     def _rates(self, stretch: Stretch) -> Floats:
         """Return the rates of all states of a stretch."""
-        if self.motion.inputs.are_absent and "t" not in self.motion.library.further_inputs:
-            count = self.motion.evaluations
-            found = self.motion(float(stretch.times[0]), stretch.states)
-            self.motion.evaluations = count + len(stretch.times)
-            return found
+        if not self.motion.inputs.depend_on_state:
+            return self._rates_at_once(stretch.times, stretch.states)
         rows = []
         for k, time in enumerate(stretch.times.tolist()):
             ends = stretch.times[max(k - 1, 0)], stretch.times[min(k + 1, len(stretch.times) - 1)]
             self.motion.interval = float(ends[0]), float(ends[1])
             rows.append(self.motion(time, stretch.states[k]))
         return np.stack(rows)
+
+    def _rates_at_once(self, times: Doubles, states: Floats) -> Floats:
+        """Return the rates of (T, k) states in one call, where what acts depends on the time alone.
+
+        The rate of the work is left at 0, since no event looks at it.
+        """
+        motion, layout = self.motion, self.motion.state
+        library = motion.library_at(float(times[0]))
+        x, y = layout.x(states), layout.y(states)
+        rows = sampled(motion.inputs, times, times) | self._time(times)
+        given: dict[str, Any] = {name: values.astype(y.dtype) for name, values in rows.items()}
+        motion.evaluations += len(times)
+        accelerations = library.forward_dynamics(x, y, **given)
+        named = {name: given[name] for name in library.further_inputs if name in given}
+        rates = y if speeds_are_rates(library) else library.coordinate_rates(x, y, **named)
+        return layout.join(rates, accelerations, np.zeros(len(times), y.dtype))
 
     def _values(self, crossing: Crossing, times: Doubles, states: Floats) -> Doubles:
         """Return the values of what crosses zero in many states.

@@ -63,6 +63,18 @@ def test_states_and_work_are_those_of_the_steps_in_numpy(case: str) -> None:
         assert np.array_equal(found.inputs[name], values)
 
 
+def test_events_are_those_of_the_steps_in_numpy() -> None:
+    events = ["y.one.theta3", "x.two.theta3 > 0.4 + 0.01*t"]
+    found, expected = (
+        kg.simulate(library, [0.2, -0.3], times=1.5, step=0.01, events=events, inputs=MOVED)
+        for library in shaken()
+    )
+    assert len(found.events) == len(expected.events) > 1
+    for one, other in zip(found.events, expected.events, strict=True):
+        assert (one.condition, one.direction) == (other.condition, other.direction)
+        assert abs(one.time - other.time) < 1e-11 and np.abs(one.x - other.x).max() < 1e-11
+
+
 def test_the_work_has_order_four_and_balances_the_energy() -> None:
     """What prescribed motion and efforts do is the change of the energy of a system without other inputs."""
     drifts, inputs = [], CASES["functions"]["inputs"]
