@@ -54,7 +54,8 @@ lint: $(VENV)/.tests
 generated: $(VENV)/.tests
 	$(BIN)/python -m pytest tests/c/test_generated.py --update-generated
 
-# Time kanegen and its peers and rewrite docs/benchmarks.md; the first time Pinocchio takes minutes to compile.
+# Time kanegen and its peers and rewrite docs/benchmarks.md and the speeds in the README; the first time Pinocchio takes minutes to
+# compile. `make bench MODELS="panda hyq"` times some models and writes into build/benchmarks.
 bench: $(VENV)/.bench
 	$(BIN)/python -m benchmarks $(MODELS)
 

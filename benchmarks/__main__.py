@@ -4,9 +4,10 @@ python -m benchmarks [MODEL ...] [--quick] [--rounds R] [--seconds S] [--states 
 python -m benchmarks --prepare [MODEL ...]
 python -m benchmarks --render
 
-Times are saved in benchmarks.json, from which everything else is made. With models by name everything is
-written into build/benchmarks instead of docs. --prepare compiles all programs without timing them, so that a
-later run only measures; --render makes the page, the picture and the README of saved times anew.
+Times are saved in benchmarks.json, from which everything else is made. With models by name, and with --quick,
+everything is written into build/benchmarks instead of docs. --prepare compiles all programs without timing
+them, so that a later run only measures; --render makes the page, the picture and the README of saved times
+anew.
 """
 
 from __future__ import annotations
@@ -22,20 +23,28 @@ from benchmarks.document import document, section
 from kanegen.files import write_all, write_whole
 from kanegen.studies.bench import BenchOptions, Comparison, compare
 from kanegen.studies.bench.against import compare_records, require_comparable
+from kanegen.studies.bench.peers.registry import PEERS
 from kanegen.studies.bench.plot import svg
 from kanegen.studies.bench.record import Record, read_record
 from kanegen.studies.bench.table import heads_of_changes, row_of_change
 from kanegen.studies.markdown import markdown_table
 
 ROOT = Path(__file__).parents[1]
+FULL = BenchOptions(states=256, rounds=9, seconds=0.02)
+"""The extent of a run whose times stand in the documents."""
+
 QUICK = BenchOptions(states=128, rounds=6, seconds=0.005)
-"""The options of --quick: the fewest rounds that have a confidence interval."""
+"""The extent of --quick: the fewest rounds that have a confidence interval."""
+
+QUICK_PEERS = ("pinocchio", "casadi", "mujoco")
+"""The peers of --quick, whose processes start in no time."""
 
 
 def main() -> None:
     """Measure, or only compile or only render, as the command line asks."""
     arguments = _arguments()
-    folder = arguments.folder or (ROOT / "build" / "benchmarks" if arguments.models else ROOT / "docs")
+    is_part = arguments.models or arguments.quick
+    folder = arguments.folder or (ROOT / "build" / "benchmarks" if is_part else ROOT / "docs")
     folder.mkdir(parents=True, exist_ok=True)
     saved = folder / "benchmarks.json"
     if arguments.render:
@@ -53,8 +62,9 @@ def main() -> None:
             require_comparable(before, arguments.against, name, options.rounds)
     comparisons: list[Comparison] = []
     for name in names:
-        cores = os.cpu_count() or 1
-        comparisons.append(compare(models.system(name), options, functools.partial(_say, name), cores=cores))
+        peers, cores = (QUICK_PEERS, 1) if arguments.quick else (PEERS, os.cpu_count() or 1)
+        say = functools.partial(_say, name)
+        comparisons.append(compare(models.system(name), options, say, peers, cores))
         print(section(comparisons[-1]), flush=True)
         record = Record.here(comparisons, options)
         write_whole(saved, record.text())
@@ -82,7 +92,7 @@ def _render(record: Record, folder: Path) -> None:
 
 def _options(arguments: argparse.Namespace) -> BenchOptions:
     """Return the extent of the comparisons."""
-    base = QUICK if arguments.quick else BenchOptions()
+    base = QUICK if arguments.quick else FULL
     asked = (arguments.states, arguments.rounds, arguments.seconds)
     chosen = (base.states, base.rounds, base.seconds)
     states, rounds, seconds = (b if a is None else a for a, b in zip(asked, chosen, strict=True))
@@ -93,7 +103,9 @@ def _arguments() -> argparse.Namespace:
     """Return the options of the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("models", nargs="*", metavar="MODEL", help=f"among {', '.join(models.NAMES)}")
-    parser.add_argument("--quick", action="store_true", help="few and short rounds, in about three minutes")
+    parser.add_argument(
+        "--quick", action="store_true", help="few and short rounds beside some peers, on one core"
+    )
     parser.add_argument("--prepare", action="store_true", help="compile all programs, and time nothing")
     parser.add_argument("--render", action="store_true", help="make the page of saved times")
     parser.add_argument("--against", type=Path, metavar="FILE", help="compare with a saved benchmarks.json")
