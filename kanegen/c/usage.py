@@ -14,8 +14,9 @@ from kanegen.program.selection import dependencies
 NO_NAMES: Mapping[str, Sequence[str]] = MappingProxyType({})
 """No array has names for its places."""
 
-LOOPED = 8
-"""Number of neighbouring zeros from which a loop of wide stores is faster than one store each."""
+LOOPED = 48
+"""Number of neighbouring zeros from which a loop is faster than one store each: gcc makes of it a string
+instruction, which takes longer to begin than a few wide stores."""
 
 JOINED = 16
 """Most numbers between two runs that are tested together, because one more run takes longer."""

@@ -1,4 +1,4 @@
-"""Runs of zeros in a row of an output are stored by loops: every entry, and no other."""
+"""Zeros in a row of an output are stored one by one or by loops: every entry, and no other."""
 
 from __future__ import annotations
 
@@ -6,17 +6,20 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.c import usage
 from tests.support import systems
 
 
+@pytest.mark.parametrize("looped", [8, 48])
 @pytest.mark.parametrize("connection", [[0] * 12, [0, 1, 2, 3, 0, 0, 0, 0, 0, 0, 0, 11]])
-def test_the_mass_matrix_of_trees_side_by_side(connection: list[int]) -> None:
+def test_the_mass_matrix_of_trees_side_by_side(connection: list[int], looped: int, monkeypatch) -> None:
     """Between hinges that no body carries together [A] is 0; rows have runs of zeros left and right."""
+    monkeypatch.setattr(usage, "LOOPED", looped)
     free = systems.flags(12, ["theta3"])
     rng = np.random.default_rng(12)
     system = systems.random_system(rng, 12, connection=connection, free=free, loads=False)
     source = kg.generate(system, ("mass_matrix",))
-    assert "for (int i = " in source.files["tree.c"]
+    assert ("for (int i = " in source.files["tree.c"]) == (looped < 12)
     report = kg.compare(system, states=20)
     assert report.passed, str(report)
     library = kg.build(system, ("mass_matrix",))
