@@ -33,7 +33,13 @@ from kanegen.program.ir import Program
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.recursion import Methods, derive, methods
-from kanegen.recursion.outputs import OUTPUTS, accurately_solved, prerequisites, refined_solutions
+from kanegen.recursion.outputs import (
+    OUTPUTS,
+    SOLUTION_PARTS,
+    accurately_solved,
+    prerequisites,
+    refined_solutions,
+)
 from kanegen.recursion.pivot_margins import PivotLimits
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
@@ -110,6 +116,9 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     else:
         accurate = ways if is_well else ways[:1]
         candidates = tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in accurate)
+    candidates = tuple(
+        one if is_well and not one.refinement.steps else _through_solver(one) for one in candidates
+    )
     share = DEPENDENT_ROWS * precisions.precision_named(variant.precision).roundoff
     candidates = tuple(
         replace(one, refinement=replace(one.refinement, independent_rows=share)) for one in candidates
@@ -154,6 +163,12 @@ def _of_solution(
     refinement, _ = _measured(system, solvers[0], 1, found[0], precision)
     reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
     return (Candidate(ways[0], refinement, reason),)
+
+
+def _through_solver(candidate: Candidate) -> Candidate:
+    """Return a candidate whose derivatives of {ydot} are those of its solver, which alone is accurate."""
+    methods = {name: way for name, way in candidate.methods.items() if name != SOLUTION_PARTS}
+    return replace(candidate, methods=methods)
 
 
 def _reporting_unrefined(

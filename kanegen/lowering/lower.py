@@ -25,5 +25,5 @@ def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DO
     program = lower_definitions(input_arrays(form.system), form.definitions, arrays, constants)
     lowered = dict(zip(form.outputs, program.outputs, strict=True))
     others = [name for name in outputs if name not in (*PRODUCTS, *SECOND_DERIVATIVES)]
-    found = differentiated(program, form.system, lowered, others, constants, form.refinement)
+    found = differentiated(program, form.system, lowered, others, constants)
     return with_products(found, program, form, lowered, outputs, constants)

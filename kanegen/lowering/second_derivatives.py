@@ -18,6 +18,7 @@ from itertools import combinations_with_replacement
 
 from kanegen.lowering.differentiate import differentiated
 from kanegen.lowering.embedded import Embedded
+from kanegen.model.system import System
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.constants import Constants
@@ -27,7 +28,6 @@ from kanegen.program.passes.fold import FoldingBuilder, fold
 from kanegen.program.passes.prune import prune
 from kanegen.recursion import RecursiveForm
 from kanegen.recursion.factorisation import carriers
-from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver
 from kanegen.recursion.outputs import OUTPUTS, SECOND_DERIVATIVES, Derivative, argument_arrays
 
 Pair = tuple[int, int]
@@ -51,9 +51,9 @@ def second_derivatives(
     """
     system, derivation = form.system, SECOND_DERIVATIVES[name]
     of_solution = "forward_dynamics" in derivation.needs
-    solved = of_solution and not (differentiates_solver(system) or form.refinement.steps)
+    solved = of_solution and not (_differentiates_solver(system) or form.refinement.steps)
     names = _first_derivatives(of_solution=of_solution, solved=solved)
-    found = differentiated(program, system, outputs, names, constants, form.refinement)
+    found = differentiated(program, system, outputs, names, constants)
     builder = FoldingBuilder(argument_arrays(system))
     making = _Making(builder, prune(fold(found)), form, constants, derivation.columns_of(system))
     by_columns = partial(making.of_columns, names[-1], with_matrix=not of_solution)
@@ -69,6 +69,17 @@ def second_derivatives(
     ]
     output = replace(conditions, array=OUTPUTS[name].array(system), values=tuple(values))
     return prune(check(builder.program([output])))
+
+
+def _differentiates_solver(system: System) -> bool:
+    """Return whether second derivatives of {ydot} are those of the program of the first.
+
+    So it is where three angles of a joint can reach gimbal lock, next to which a product with [A]^-1 loses
+    digits that {ydot} has, and where several bodies translate freely and rotate.
+    """
+    joints = [body.joint for body in system.bodies]
+    may_lock = any(joint.speeds_are_rates and all(joint.free[:3]) for joint in joints)
+    return may_lock or sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints) > 1
 
 
 def _first_derivatives(*, of_solution: bool, solved: bool) -> list[str]:
@@ -202,7 +213,7 @@ class _Making:
             if not self.builder.is_zero(values[n * i + j])
         }
         one = self.builder.constant(self.constants.quotient(1, 1))
-        return Elimination(self.builder, entries, carriers(self.form.system), one)
+        return Elimination.of_matrix(self.builder, entries, carriers(self.form.system), one)
 
 
 def _range(part: slice) -> Iterator[int]:

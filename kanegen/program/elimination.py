@@ -1,12 +1,11 @@
-"""The solution of [A]{z} = {b} for many right sides as instructions, by [A] = [L]^T [D] [L] without fill-in.
+"""The solution of [A]{z} = {b} for many right sides as instructions, by the factors of [A] = [L]^T [D] [L].
 
-The elimination is that of `recursion.factorisation`, applied to values of a program. Entries that are zero by
-structure are left out.
+The factors are those of `recursion.symmetric_factors`. Entries that are zero by structure are left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from kanegen.program.builder import Builder
 from kanegen.program.columns import ColumnSolution
@@ -18,33 +17,51 @@ Column = dict[int, int]
 class Elimination:
     """The factors [L] and [D] of a symmetric positive definite matrix.
 
+    Where a right side is zero in all rows of a branch, the solution there is a linear function of that in the
+    rows further inward, whose coefficients serve all such right sides.
+
     Args:
         builder: The builder to which instructions are appended.
-        matrix: Entries that are not zero, by pair of rows, the larger first.
-        changed_rows: Rows that the elimination of a row may change, by row, in the order of elimination.
-        one: The value of the number 1.
+        factors: Entries of [L] left of its diagonal that are not zero, by row, in the order of elimination.
+        inverses: Reciprocals of the entries of [D] by row.
     """
 
-    def __init__(
-        self,
+    def __init__(self, builder: Builder, factors: Mapping[int, Column], inverses: Column) -> None:
+        self._builder, self._factors, self._inverses = builder, factors, inverses
+        self._inward: dict[int, set[int]] = {}
+        for k, row in reversed(list(factors.items())):
+            self._inward[k] = set(row).union(*(self._inward[i] for i in row))
+        self._gains: dict[tuple[int, tuple[int, ...]], Column] = {}
+
+    @classmethod
+    def of_matrix(
+        cls,
         builder: Builder,
         matrix: Mapping[tuple[int, int], int],
         changed_rows: Mapping[int, Sequence[int]],
         one: int,
-    ) -> None:
-        self._builder = builder
-        self._changed_rows = changed_rows
-        self._factors: dict[int, Column] = {}
-        self._inverses: Column = {}
+    ) -> Elimination:
+        """Return the elimination of a matrix.
+
+        Args:
+            builder: The builder to which instructions are appended.
+            matrix: Entries that are not zero, by pair of rows, the larger first.
+            changed_rows: Rows that the elimination of a row may change, by row, in the order of elimination.
+            one: The value of the number 1.
+        """
+        every: dict[int, Column] = {}
+        inverses: Column = {}
         a = dict(matrix)
         for k, changed in changed_rows.items():
             row = {i: a[_pair(k, i)] for i in changed if _pair(k, i) in a}
-            self._inverses[k] = inverse = builder.divide(one, a[k, k])
-            self._factors[k] = {i: builder.multiply(value, inverse) for i, value in row.items()}
-            for i, factor in self._factors[k].items():
+            inverses[k] = inverse = builder.divide(one, a[k, k])
+            every[k] = {i: builder.multiply(value, inverse) for i, value in row.items()}
+            for i, factor in every[k].items():
                 for j, entry in row.items():
                     if j <= i:
-                        a[i, j] = self._subtract(a.get((i, j)), builder.multiply(factor, entry))
+                        change = builder.multiply(factor, entry)
+                        a[i, j] = builder.subtract(a[i, j], change) if (i, j) in a else builder.negate(change)
+        return cls(builder, every, inverses)
 
     @property
     def carriers(self) -> dict[int, tuple[int, ...]]:
@@ -72,19 +89,57 @@ class Elimination:
     def solve(self, right: Column) -> Column:
         """Return the solution {z} for the right side {b}."""
         make, b = self._builder, dict(right)
-        for k in self._changed_rows:
+        for k, factors in self._factors.items():
             if k in b:
-                for i, factor in self._factors[k].items():
+                for i, factor in factors.items():
                     b[i] = self._subtract(b.get(i), make.multiply(factor, b[k]))
         found: Column = {}
-        for k in reversed(list(self._changed_rows)):
-            value = make.multiply(b[k], self._inverses[k]) if k in b else None
-            for i, factor in self._factors[k].items():
-                if i in found:
-                    value = self._subtract(value, make.multiply(factor, found[i]))
+        for k, factors in reversed(list(self._factors.items())):
+            own = make.multiply(b[k], self._inverses[k]) if k in b else None
+            value = self._less_products(own, factors if k in b else self._gain(k, b.keys()), found)
             if value is not None:
                 found[k] = value
         return found
+
+    def inverse(self) -> dict[tuple[int, int], int]:
+        """Return the entries of the inverse that are not zero by structure, equal values on both sides."""
+        found: dict[tuple[int, int], int] = {}
+        done: list[int] = []
+        for k, factors in reversed(list(self._factors.items())):
+            for j in (*done, k):
+                is_inward = j == k or j in self._inward[k]
+                row = factors if is_inward else self._gain(k, self._inward[j])
+                column = {i: found[i, j] for i in row if (i, j) in found}
+                value = self._less_products(self._inverses[k] if j == k else None, row, column)
+                if value is not None:
+                    found[k, j] = found[j, k] = value
+            done.append(k)
+        return found
+
+    def _gain(self, k: int, known: Collection[int]) -> Column:
+        """Return how the solution in a row depends on that in rows further inward, with its sign changed.
+
+        Args:
+            k: The row.
+            known: Rows; the right side is zero in the row and in all others further inward.
+        """
+        inward = self._inward[k].intersection(known)
+        key = k, tuple(sorted(inward))
+        if key not in self._gains:
+            make, factors = self._builder, self._factors[k]
+            gain = {i: factor for i, factor in factors.items() if i in inward}
+            for between in (i for i in factors if i not in inward):
+                for i, value in self._gain(between, inward).items():
+                    gain[i] = self._subtract(gain.get(i), make.multiply(factors[between], value))
+            self._gains[key] = gain
+        return self._gains[key]
+
+    def _less_products(self, value: int | None, factors: Column, found: Column) -> int | None:
+        """Return a value less the products of factors and a column, row by row; None stands for zero."""
+        for i, factor in factors.items():
+            if i in found:
+                value = self._subtract(value, self._builder.multiply(factor, found[i]))
+        return value
 
     def _subtract(self, value: int | None, change: int) -> int:
         """Return `value` less `change`, where an absent value is zero."""

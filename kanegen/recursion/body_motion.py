@@ -159,8 +159,9 @@ def _origin_acceleration(
     lower: BodyMotion, joint: JointMotion, definitions: Definitions, accelerated: bool
 ) -> Vector:
     """Return the acceleration of the origin of body K less gravity, in J, Eq. (33)."""
-    sliding = ZERO
-    carried = add(lower.acceleration, multiply(lower.field, joint.offset))
+    sliding = carried = ZERO
+    if not joint.is_weightless:
+        carried = add(lower.acceleration, multiply(lower.field, joint.offset))
     for translation in joint.moving_translations:
         sliding = add(sliding, scale(translation.rate, translation.direction))
         own = translation.acceleration if accelerated else translation.prescribed_acceleration

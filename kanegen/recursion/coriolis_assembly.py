@@ -212,7 +212,7 @@ class CoriolisAssembly:
 
     def record_translations(self, carried: Carried, joint: JointMotion) -> None:
         """Record the entries of the translations of a joint, with each other and those further outward."""
-        omega, mass = self.motions[joint.body][0].omega, carried.body.inertia.mass
+        omega, mass = self.motions[joint.lower][-1].omega, carried.body.inertia.mass
         for one in joint.translations:
             turning = cross(omega, one.direction)
             for col in carried.columns:

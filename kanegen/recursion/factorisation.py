@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+from types import MappingProxyType
 
 from sympy import Expr, S
 
@@ -195,7 +196,9 @@ class Factorisation:
         return result
 
 
-def carriers(system: System) -> dict[int, list[int]]:
+def carriers(
+    system: System, outward: Mapping[int, Sequence[Freedom]] = MappingProxyType({})
+) -> dict[int, list[int]]:
     """Return the rows of [A] that the elimination of each freedom changes, in the order of elimination.
 
     Freedoms are eliminated from the outermost inward. Without couplings the rows are those of the freedoms
@@ -203,11 +206,12 @@ def carriers(system: System) -> dict[int, list[int]]:
 
     Args:
         system: The tree.
+        outward: Order of the freedoms of a body, from the innermost, where it is not that of its joint.
 
     Returns:
         Places in {y} from the innermost, by place of the eliminated freedom.
     """
-    linked, order = _pattern(system)
+    linked, order = _pattern(system, outward)
     has_new_links = _link_rotors(system, linked)
     fills = bool(system.couplings) or has_new_links
     rank = {place: i for i, place in enumerate(order)}
@@ -221,14 +225,22 @@ def carriers(system: System) -> dict[int, list[int]]:
     return found
 
 
-def _pattern(system: System) -> tuple[dict[int, set[int]], list[int]]:
-    """Return the places in {y} that [A] links with each place, and all places in the order of elimination."""
+def _pattern(
+    system: System, orders: Mapping[int, Sequence[Freedom]]
+) -> tuple[dict[int, set[int]], list[int]]:
+    """Return the places in {y} that [A] links with each place, and all places in the order of elimination.
+
+    Args:
+        system: The tree.
+        orders: Order of the freedoms of a body, from the innermost, where it is not that of its joint.
+    """
     moved = _places_that_move(system)
     linked: dict[int, set[int]] = {place: set() for place in range(len(system.freedoms))}
     outward: dict[int, list[tuple[int, ...]]] = {0: []}
     for k, body in enumerate(system.bodies, start=1):
         own = [freedom for freedom in moved if freedom.body == k]
         own.sort(key=lambda f: (f.is_angle, f.axis))  # translations carry angles, the first angle the next
+        own = list(orders.get(k, own))
         outward[k] = outward[body.lower] + [moved[freedom] for freedom in own]
     order: dict[int, None] = {}
     for k in range(system.number_of_bodies, 0, -1):

@@ -111,6 +111,18 @@ def required_by_elements(tree: Tree, moved: Mapping[int, BodyMotion], *, acceler
     return required_efforts(tree, Requirement(wrenches, efforts))
 
 
+def required_by_bodies(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) -> list[Expr]:
+    """Return the other part of the required generalized forces: that of bodies, loads on them and armature.
+
+    Args:
+        tree: The tree.
+        moved: Motion of every body, by number.
+        accelerated: Whether the freedoms have accelerations, as for `body_motions`.
+    """
+    wrenches = required_wrenches(tree, moved, {})
+    return at_free(tree, _along_freedoms(tree, Requirement(wrenches, _armature_efforts(tree, accelerated))))
+
+
 def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
     """Return the generalized forces that accelerate the armature of motors, by number of the freedom."""
     found: dict[int, Expr] = {}

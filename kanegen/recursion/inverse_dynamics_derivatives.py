@@ -25,24 +25,12 @@ from __future__ import annotations
 from sympy import Add, Expr, S
 
 from kanegen.model.coordinates import Coordinate
-from kanegen.model.system import System
 from kanegen.recursion.body_motion import body_motions
 from kanegen.recursion.coordinate_rates import turnings
 from kanegen.recursion.inverse_dynamics import required_by_elements
 from kanegen.recursion.joined_turns import with_joined_turns
 from kanegen.recursion.slope_assembly import SlopeAssembly
 from kanegen.recursion.tree import Derived, Tree
-
-
-def differentiates_solver(system: System) -> bool:
-    """Return whether derivatives of {ydot} are those of its solver, not a product with [A]^-1.
-
-    So it is where three angles of a joint can reach gimbal lock, next to which the product loses digits that
-    {ydot} has, and where several bodies translate freely and rotate, which the solver never couples.
-    """
-    joints = [body.joint for body in system.bodies]
-    may_lock = any(joint.speeds_are_rates and all(joint.free[:3]) for joint in joints)
-    return may_lock or sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints) > 1
 
 
 def inverse_dynamics_by_state(tree: Tree) -> Derived:
@@ -87,17 +75,21 @@ def _by_state(tree: Tree, *, accelerated: bool) -> list[Expr]:
 
 
 def motions_by_coordinates(tree: Tree) -> list[dict[int, Expr]]:
-    """Return for each coordinate by how much a unit change moves along each speed, by place in {y}."""
+    """Return for each coordinate by how much a unit change moves along each speed, by place in {y}.
+
+    The pose of a floating body (`free_components`) moves nothing that matters.
+    """
     system = tree.system
     found: dict[int, dict[int, Expr]] = {}
+    weightless = {joint.body for joint in tree.joints if joint.is_weightless}
     for joint in tree.joints:
-        if joint.angular_speeds:
+        if joint.angular_speeds and not joint.is_weightless:
             tree.about(joint.body, "rotations by coordinates, Eq. (8)")
             for place, turning in turnings(joint, tree).items():
                 shares = zip(joint.rotations, turning, strict=True)
                 found[place] = {i: share for i, share in shares if share != 0}
     for freedom, i in system.places.items():
         at = system.coordinate_places.get(Coordinate(freedom.body, freedom.index))
-        if at is not None:
+        if at is not None and freedom.body not in weightless:
             found.setdefault(at, {i: S.One})
-    return [found[place] for place in range(len(system.coordinates))]
+    return [found.get(place, {}) for place in range(len(system.coordinates))]

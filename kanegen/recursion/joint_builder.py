@@ -76,7 +76,7 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
             )
             for i in ANGLES
         )
-        joint = _turning_as_a_whole(replace(joint, angular_speeds=speeds), body.joint.rotation, definitions)
+        joint = turning_as_a_whole(replace(joint, angular_speeds=speeds), body.joint.rotation, definitions)
     return _with_origin(joint, body, definitions)
 
 
@@ -115,7 +115,7 @@ def _armature(system: System, freedom: Freedom, definitions: Definitions) -> Exp
     return definitions.define(f"ar_{freedom.body}_{freedom.index + 1}", found)
 
 
-def _turning_as_a_whole(joint: JointMotion, rotation: Rotation, definitions: Definitions) -> JointMotion:
+def turning_as_a_whole(joint: JointMotion, rotation: Rotation, definitions: Definitions) -> JointMotion:
     """Return a joint with its rotation as one turn, for speeds that are no rates of angles.
 
     Unless the lower body is the ground, the turns of [C_K] are included: in `merged` if the joint translates,

@@ -114,6 +114,8 @@ class JointMotion:
         prescribed_translations: The translations that only prescribed motion moves.
         to_center: Vector from O_K to the origin of K, in K (m), where the origin is the mass centre of a body
             that both translates and rotates; zero elsewhere. See `tree.about_mass_centers`.
+        is_weightless: Whether the origin has no acceleration but that of the translations, not even that of
+            gravity. See `free_components`.
     """
 
     body: int
@@ -130,6 +132,7 @@ class JointMotion:
     merged: tuple[Step, ...] = ()
     prescribed_translations: tuple[Translation, ...] = ()
     to_center: Vector = ZERO
+    is_weightless: bool = False
 
     @property
     def freedoms(self) -> tuple[FreedomMotion, ...]:

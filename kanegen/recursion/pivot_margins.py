@@ -9,12 +9,14 @@ the model exclude this, nothing is left to test. See `pivot_bounds`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from sympy import Expr, Rational, S
 
 from kanegen.recursion.pivot_bounds import PivotBounds
-from kanegen.recursion.solver import Solver
+from kanegen.recursion.tree import Tree
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,22 @@ class PivotLimits:
 NO_LIMITS = PivotLimits()
 
 
+class Pivots(Protocol):
+    """What margins need of a solver of [A]{ydot} = {b}."""
+
+    @property
+    def tree(self) -> Tree:
+        """The tree whose [A] is eliminated."""
+
+    @property
+    def pivots(self) -> Sequence[Expr]:
+        """The divisor of the elimination of each freedom."""
+
+    @property
+    def together(self) -> bool:
+        """Whether three free angles or translations of a joint are eliminated as components."""
+
+
 class PivotMargins:
     """Losses and margins of the pivots of a solver.
 
@@ -40,7 +58,7 @@ class PivotMargins:
         solver: The solver.
     """
 
-    def __init__(self, solver: Solver) -> None:
+    def __init__(self, solver: Pivots) -> None:
         self._solver = solver
         self._bounds = PivotBounds(solver.tree, together=solver.together)
 

@@ -44,7 +44,9 @@ class Axis:
 
 
 class SlopeAssembly(CoriolisAssembly):
-    """The assembly of [C], in which columns have slopes and derivatives by coordinates are recorded.
+    """The assembly of [C], in which columns have slopes; [A] and derivatives by coordinates come with it.
+
+    The pose of a floating body (`free_components`) changes nothing, and its columns have no slopes.
 
     Args:
         tree: The tree, with joined turns.
@@ -58,6 +60,7 @@ class SlopeAssembly(CoriolisAssembly):
         self._paths = {k: motion.path for k, motion in moved.items()}
         self._transmitted = {one.joint.body: one.path for one in carried_wrenches(tree, needed)}
         self._slopes: dict[tuple[int, int], list[Expr]] = {}
+        self._inertias: dict[tuple[int, int], list[Expr]] = {}
 
     def by_rotation(self, i: int, j: int) -> Expr:
         """Return the derivative of generalized force i by a motion along freedom j, the sum of its terms.
@@ -65,6 +68,11 @@ class SlopeAssembly(CoriolisAssembly):
         For a component of an angular velocity this motion is a rotation about its axis.
         """
         return self.tree.definitions.define(f"fx_{i}_{j}", Add(*self._slopes.get((i, j), [])))
+
+    def inertia(self, i: int, j: int) -> Expr:
+        """Return an entry of [A] without armature, the sum of its terms."""
+        terms = self._inertias.get((max(i, j), min(i, j)), [])
+        return self.tree.definitions.define(f"A_{max(i, j)}_{min(i, j)}", Add(*terms))
 
     def by_speed(self, i: int, j: int) -> Expr:
         """Return the derivative of generalized force i by speed j."""
@@ -75,6 +83,15 @@ class SlopeAssembly(CoriolisAssembly):
         for i, one in rows.items():
             for j, other in columns.items():
                 self._slopes.setdefault((i, j), []).append(one * other * value)
+
+    def _record_inertia(self, one: FreedomMotion, places: Mapping[int, Expr], value: Expr) -> None:
+        """Add the inertia of two freedoms to the entries of [A] of the entries of {y} that move them."""
+        same = places is one.shares
+        for i, share in one.shares.items():
+            for j, other in places.items():
+                pair, term = (max(i, j), min(i, j)), share * other * value
+                if not same or j <= i:
+                    self._inertias.setdefault(pair, []).append(2 * term if i == j and not same else term)
 
     def _axis(self, direction: Vector, frame: FrameAcceleration, label: str) -> Axis:
         """Return a direction that does not move in a frame, with its rates."""
@@ -90,6 +107,7 @@ class SlopeAssembly(CoriolisAssembly):
         axis = self._axis(unit(step.axis), frame, f"{step.frame}{'' if is_below else 'u'}")
         self._record_rotation(step, axis, frame, seen, seen.columns)
         for col in seen.columns:
+            self._record_inertia(step, col.places, col.inertial.moment[step.axis])
             self._record_slope(step.shares, col.places, _slope(col).moment[step.axis])
 
     def _record_rotation(
@@ -120,11 +138,15 @@ class SlopeAssembly(CoriolisAssembly):
         """Record entries of components of an angular velocity and derivatives by rotations about them."""
         seen = super().with_angular_speeds(carried, joint)
         frame = self._paths[joint.body][-2]
-        for one in joint.angular_speeds:
-            axis = self._axis(unit(one.axis), frame, f"{joint.body}w{one.axis + 1}")
-            self._record_rotation(one, axis, frame, seen, seen.columns)
+        for place, one in enumerate(joint.angular_speeds):
+            for col in (*seen.arriving, *seen.own[: place + 1]):
+                places = one.shares if col is seen.own[place] else col.places
+                self._record_inertia(one, places, col.inertial.moment[one.axis])
             for col in seen.arriving:
                 self._record_slope(one.shares, col.places, _slope(col).moment[one.axis])
+            if not joint.is_weightless:
+                axis = self._axis(unit(one.axis), frame, f"{joint.body}w{one.axis + 1}")
+                self._record_rotation(one, axis, frame, seen, seen.columns)
         return seen
 
     def begun_angular(
@@ -141,6 +163,8 @@ class SlopeAssembly(CoriolisAssembly):
         force = add(begun.coriolis.force, cross(half, body.inertia.moment))
         moment = add(begun.coriolis.moment, multiply(rows(body.inertia.inertia), half))
         begun = with_coriolis(begun, Wrench(force, moment), definitions)
+        if joint.is_weightless:
+            return begun
         frame, load = self._paths[joint.body][-2], self._transmitted[joint.body][-1]
         axis = self._axis(unit(one.axis), frame, begun.inertial.label)
         slope = self._rotation_slope(axis, frame, load, below, second, begun.inertial.label)
@@ -164,6 +188,7 @@ class SlopeAssembly(CoriolisAssembly):
         whole = whole_second_moments(body.inertia, step.axis, second, step.frame, self.tree.definitions)
         slope = self._rotation_slope(axis, frame, load, body, whole, begun.inertial.label)
         begun = with_slope(begun, slope, self.tree.definitions)
+        self._record_inertia(step, step.shares, begun.inertial.moment[step.axis])
         self._record_slope(step.shares, step.shares, _slope(begun).moment[step.axis])
         return begun
 
@@ -198,9 +223,14 @@ class SlopeAssembly(CoriolisAssembly):
         axes = {one.number: self._translation_axis(joint, one) for one in joint.translations}
         for one in joint.translations:
             for col in carried.columns:
-                self._record_slope(one.shares, col.places, dot(one.direction, _slope(col).force))
+                self._record_inertia(one, col.places, dot(one.direction, col.inertial.force))
+                if col.slope:
+                    self._record_slope(one.shares, col.places, dot(one.direction, col.slope.force))
                 self._record_slope(col.places, one.shares, dot(col.inertial.force, axes[one.number].second))
             for other in joint.translations:
+                if other.number <= one.number:
+                    places = one.shares if other is one else other.shares
+                    self._record_inertia(one, places, mass * dot(one.direction, other.direction))
                 value = mass * dot(one.direction, axes[other.number].second)
                 self._record_slope(one.shares, other.shares, value)
 

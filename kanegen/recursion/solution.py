@@ -15,6 +15,7 @@ from kanegen.recursion.inverse_dynamics import Requirement, required
 from kanegen.recursion.operational import Operational
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.refinement import UNREFINED, RefinedSolution, Refinement, unless_positive
+from kanegen.recursion.solution_derivatives import solution_parts
 from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived, by_place
 
@@ -82,6 +83,10 @@ class Solution:
         """Derive by freedom the ratio of its pivot to its inertia with every other freedom locked."""
         pairs = zip(self._solver.regular_if_positive, self._solver.diagonal, strict=True)
         return Derived([left / whole for left, whole in pairs])
+
+    def parts_of_derivatives(self) -> Derived:
+        """Derive the rows of `SolutionRows`, from which derivatives of unrefined {ydot} are made."""
+        return solution_parts(self._tree, self._refinement, together=self._solver.together)
 
     def _unrefined_margins(self) -> Sequence[Expr]:
         """Return expressions by freedom that are positive where a result that is not refined is accurate."""

@@ -91,11 +91,6 @@ def test_angular_velocities(coordinates: str, name: str) -> None:
     agree(replace(system, bodies=system.bodies[:3]), name, 1)
 
 
-def test_where_the_solver_is_differentiated_nothing_else_is_derived() -> None:
-    (way, *_) = condition(accept(eight_body(), ("forward_dynamics_derivatives",), STRICT))
-    assert PARTS.keys().isdisjoint(way.methods)
-
-
 OPERATIONS = {"ur5": 1260, "panda": 3090, "hyq": 8575, "eight_body": 19768, "talos_reduced": 25015}
 """Additions, multiplications and divisions of all derivatives by {x} and {y}, by robot."""
 
@@ -105,11 +100,3 @@ def test_operations(name: str) -> None:
     module = compile_module(models.system(name), ("inverse_dynamics_derivatives",)).module
     counts = count(module.functions["inverse_dynamics_derivatives"])
     assert sum(counts[kind] for kind in ("add", "multiply", "divide")) == OPERATIONS[name]
-
-
-@pytest.mark.parametrize(("name", "most"), [("ur5", 2544), ("panda", 6220)])
-def test_operations_for_forward_dynamics(name: str, most: int) -> None:
-    """A small arm takes tangents alone where they cost less."""
-    module = compile_module(models.system(name), ("forward_dynamics_derivatives",)).module
-    counts = count(module.functions["forward_dynamics_derivatives"])
-    assert sum(counts[kind] for kind in ("add", "multiply", "divide")) <= most

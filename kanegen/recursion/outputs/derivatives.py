@@ -18,7 +18,9 @@ from kanegen.recursion.inverse_dynamics_derivatives import (
 )
 from kanegen.recursion.outputs.differentiated import Derivative
 from kanegen.recursion.outputs.inputs import LOADS, READ_BY_ALL, input_arrays
-from kanegen.recursion.outputs.output import Output, Recursion, Subject
+from kanegen.recursion.outputs.output import OfSolution, Output, Recursion, Subject
+from kanegen.recursion.solution import Solution
+from kanegen.recursion.solution_derivatives import SolutionRows
 from kanegen.recursion.tree import Derived, Tree
 
 _DIFFERENTIATED = (
@@ -45,18 +47,21 @@ _INPUTS = (*LOADS, *READ_BY_ALL)
 _OF_INPUTS = ("forcing", "inverse_dynamics", "forward_dynamics")
 """Outputs that have derivatives by inputs from outside."""
 
-_NEEDS = {"forward_dynamics": ("mass_matrix", "inverse_dynamics", "forward_dynamics")}
-"""Outputs whose programs give the derivatives of an output, where these are more than its own."""
+SOLUTION_PARTS = "forward_dynamics_parts"
+"""Name of the part from which all derivatives of {ydot} are made, where the system has it."""
 
 INVERSE_DYNAMICS_PARTS = ("inverse_dynamics_by_state", "inverse_dynamics_of_elements")
-"""Names of the parts of derivatives of inverse dynamics, of which those of {ydot} are made, too."""
+"""Names of the parts of derivatives of inverse dynamics."""
 
 _PARTS = {
     "forcing": ("forcing_by_state", "forcing_of_elements"),
     "inverse_dynamics": INVERSE_DYNAMICS_PARTS,
-    "forward_dynamics": INVERSE_DYNAMICS_PARTS,
+    "forward_dynamics": (SOLUTION_PARTS,),
 }
-"""Names of the parts that give the derivatives of an output by {x} and {y}, where the system has them."""
+"""Names of the parts that give the derivatives of an output, where the system has them."""
+
+_PARTS_BY_INPUTS = {"forward_dynamics": _PARTS["forward_dynamics"]}
+"""The same for derivatives by inputs from outside."""
 
 
 def _by_state(name: str, derive: Callable[[Tree], Derived]) -> Output:
@@ -78,6 +83,22 @@ def _of_elements(name: str, derive: Callable[[Tree], Derived]) -> Output:
     return Output(name, array, ("x", "y", "ydot", *LOADS), Recursion("recursion of forces", derive))
 
 
+def _of_solution() -> Output:
+    """Return the part with the rows from which derivatives of {ydot} are made."""
+
+    def array(system: System) -> Array:
+        rows = SolutionRows(len(system.coordinates), len(system.freedoms))
+        shape = rows.count, rows.freedoms
+        return Array(SOLUTION_PARTS, shape, "SI", "rows of derivatives", of_freedoms=True)
+
+    return Output(
+        SOLUTION_PARTS,
+        array,
+        ("x", "y", "ydot", "tau", *LOADS),
+        OfSolution(Solution.parts_of_derivatives, is_accurate=False),
+    )
+
+
 PARTS = {
     part.name: part
     for part in (
@@ -85,6 +106,7 @@ PARTS = {
         _of_elements("forcing_of_elements", forcing_of_elements),
         _by_state("inverse_dynamics_by_state", inverse_dynamics_by_state),
         _of_elements("inverse_dynamics_of_elements", inverse_dynamics_of_elements),
+        _of_solution(),
     )
 }
 """Parts of derivatives that are derived by recursions, by name. They are no outputs for users."""
@@ -101,7 +123,7 @@ def derivatives_of(outputs: Iterable[Output]) -> tuple[Output, ...]:
             entries,
             name,
             f"{name}_derivatives",
-            Derivative(of, _needs(name), by, parts=_PARTS.get(name, ())),
+            Derivative(of, (name,), by, parts=_PARTS.get(name, ())),
             entries[name].subject,
         )
         for name, of, by in _DIFFERENTIATED
@@ -111,7 +133,7 @@ def derivatives_of(outputs: Iterable[Output]) -> tuple[Output, ...]:
             entries,
             name,
             f"{name}_input_derivatives",
-            Derivative(of, _needs(name), _INPUTS, by_parameters=False),
+            Derivative(of, (name,), _INPUTS, by_parameters=False, parts=_PARTS_BY_INPUTS.get(name, ())),
             EXTERNAL,
         )
         for name, of, _ in _DIFFERENTIATED
@@ -130,11 +152,6 @@ EXTERNAL = Subject(
     "has neither loads nor prescribed freedoms and does not depend on the time. Ask for derivatives by its "
     "state.",
 )
-
-
-def _needs(name: str) -> tuple[str, ...]:
-    """Return the outputs whose programs give the derivatives of an output."""
-    return _NEEDS.get(name, (name,))
 
 
 def _derivative(

@@ -11,8 +11,8 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
-from kanegen.recursion.inverse_dynamics_derivatives import differentiates_solver
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
+from kanegen.recursion.outputs.derivatives import SOLUTION_PARTS
 from kanegen.recursion.outputs.differentiated import (
     Derivative,
     Product,
@@ -22,6 +22,7 @@ from kanegen.recursion.outputs.inputs import READ_BY_ALL, argument_arrays
 from kanegen.recursion.outputs.operational import OPERATIONAL_NAMES
 from kanegen.recursion.outputs.output import ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import DERIVED, OUTPUTS
+from kanegen.recursion.solution_derivatives import has_parts_of_derivatives
 
 FROM_PROGRAMS = Derivative | SecondDerivative | Product
 """Derivations from the programs of other outputs, which are differentiated."""
@@ -117,8 +118,8 @@ def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple
 
 
 def _takes_parts(derivation: Derivative | SecondDerivative, system: System) -> bool:
-    """Return whether derivatives by {x} and {y} come from parts, not from the tangents of other outputs."""
-    return not ("forward_dynamics" in derivation.needs and differentiates_solver(system))
+    """Return whether derivatives come from parts, not from the tangents of other outputs."""
+    return SOLUTION_PARTS not in derivation.parts or has_parts_of_derivatives(system)
 
 
 def takes_long(system: System, name: str) -> bool:

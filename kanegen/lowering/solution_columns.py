@@ -1,0 +1,257 @@
+"""The derivatives of {ydot} from the part "forward_dynamics_parts" (`recursion.solution_derivatives`).
+
+The solution in free components comes first, by the factors of [A]; what motion requires is evaluated there.
+Every column is then solved for. The maps between {x}, {y}, {tau} and free components are differentiated
+instruction by instruction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from graphlib import TopologicalSorter
+
+from kanegen.program.builder import Builder
+from kanegen.program.columns import column_solution
+from kanegen.program.constants import Constants
+from kanegen.program.elimination import Column, Elimination
+from kanegen.program.ir import Array, Op, Output, Program
+from kanegen.program.tangent import Tangent, seeded_tangents
+from kanegen.recursion.solution_derivatives import SolutionRows
+
+LOOPED = 20_000
+"""Operations of a solution for all columns from which loops take the place of straight-line code."""
+
+STATE = ("x", "y")
+"""Arrays by which the part holds derivatives of what motion requires."""
+
+
+class SolutionColumns:
+    """The columns of the derivative of {ydot}.
+
+    Args:
+        builder: A builder that holds a copy of the program.
+        program: The program with the part.
+        moved: Value in the builder of each instruction of the program.
+        part: The part, an output of the program.
+        rows: The rows of the part.
+        columns: Columns of the derivative by array.
+        constants: Precision of exact numbers.
+    """
+
+    def __init__(
+        self,
+        builder: Builder,
+        program: Program,
+        moved: Mapping[int, int],
+        part: Output,
+        rows: SolutionRows,
+        columns: Mapping[str, slice],
+        constants: Constants,
+    ) -> None:
+        self._builder, self._program, self._columns = builder, program, columns
+        self._part, self._n, self._slices, self._constants = part, rows.freedoms, rows.slices, constants
+        self._elimination = self._eliminated(moved)
+        found = self._elimination.solve(self._nonzero(self._row("surplus"), moved))
+        zero = builder.constant(constants.quotient(0, 1))
+        self._solution = [found.get(i, zero) for i in range(self._n)]
+        self._moved = self._at_solution(moved)
+
+    def output(self, array: Array, zero: int) -> Output:
+        """Return the output of all columns: in loops over the columns where these have many operations.
+
+        Args:
+            array: Its array.
+            zero: The value of the number 0.
+        """
+        base = self._part.renumbered(self._moved)
+        required, efforts = self._required(), self._tangents("efforts", self._columns.keys() - {"tau"})
+        if all(map(self._is_component, range(self._n))):
+            tau = self._columns.get("tau", slice(0, 0))
+            right = self._right_sides(required, _by_column(efforts))
+            solution = column_solution(self._elimination.carriers, right, tau)
+            if sum(solution.operations.values()) >= LOOPED:
+                values = self._elimination.values_of(solution, right, zero)
+                return replace(base, array=array, values=values, solution=solution)
+        rows = self._rows(self._solved(required, efforts))
+        values = tuple(row.get(column, zero) for row in rows for column in range(array.row))
+        return replace(base, array=array, values=values)
+
+    def _rows(self, solved: dict[int, Column]) -> list[Tangent]:
+        """Return the derivatives of the entries of {ydot}, by column, from those of the components."""
+        if "tau" in self._columns:
+            solved |= self._solved_for_efforts()
+        components = {
+            i: {column: found[x.index] for column, found in solved.items() if x.index in found}
+            for i, x in enumerate(self._program.instructions)
+            if x.op is Op.INPUT and x.array == "ydot"
+        }
+        rows = self._tangents("rates", self._columns, components)
+        if "tau" in self._columns:
+            self._fill_by_symmetry(rows)
+        return rows
+
+    def _solved_for_efforts(self) -> dict[int, Column]:
+        """Return the derivatives of the components by {tau}, by column.
+
+        Of the columns of efforts that are mapped to components, only the rows of such components are formed.
+        The others follow by symmetry.
+        """
+        inverse, found = self._elimination.inverse(), dict[int, Column]()
+        efforts, first = _by_column(self._tangents("efforts", ("tau",))), self._columns["tau"].start
+        mapped = {i for i in range(self._n) if not self._is_component(i)}
+        rows = sorted({i for column, effort in efforts.items() if column - first in mapped for i in effort})
+        for column, effort in efforts.items():
+            for i in rows if column - first in mapped else range(self._n):
+                for j, share in effort.items():
+                    if (i, j) in inverse:
+                        self._add(found, column, i, self._builder.multiply(share, inverse[i, j]))
+        return found
+
+    def _fill_by_symmetry(self, rows: Sequence[Tangent]) -> None:
+        """Fill the derivatives by {tau}, which are [A]^-1, where only the other half was formed."""
+        first = self._columns["tau"].start
+        for j in (j for j in range(self._n) if not self._is_component(j)):
+            for i in range(self._n):
+                if self._is_component(i) or i < j:
+                    rows[i].pop(first + j, None)
+                    if first + i in rows[j]:
+                        rows[i][first + j] = rows[j][first + i]
+
+    def _is_component(self, i: int) -> bool:
+        """Return whether an entry of {ydot} is a free component itself."""
+        instruction = self._program.instructions[self._row("rates")[i]]
+        return instruction.op is Op.INPUT and (instruction.array, instruction.index) == ("ydot", i)
+
+    def _row(self, name: str, row: int = 0) -> Sequence[int]:
+        """Return the values of the program in a row of the part, by place in {y}."""
+        first = self._n * (self._slices[name].start + row)
+        return self._part.values[first : first + self._n]
+
+    def _nonzero(self, values: Sequence[int], moved: Mapping[int, int]) -> Column:
+        """Return the values of the builder, without those that are the number 0."""
+        return {i: moved[value] for i, value in enumerate(values) if not self._is_zero(value)}
+
+    def _is_zero(self, value: int) -> bool:
+        """Return whether a value of the program is the number 0."""
+        instruction = self._program.instructions[value]
+        return instruction.op is Op.CONSTANT and instruction.number == 0
+
+    def _eliminated(self, moved: Mapping[int, int]) -> Elimination:
+        """Return the elimination by the factors of the part; a row comes before all that it changes."""
+        factors = {k: self._nonzero(self._row("factors", k), moved) for k in range(self._n)}
+        before = {i: [k for k in factors if i in factors[k]] for i in factors}
+        order = TopologicalSorter(before).static_order()
+        inverses = self._nonzero(self._row("inverse_pivots"), moved)
+        return Elimination(self._builder, {k: factors[k] for k in order}, inverses)
+
+    def _at_solution(self, moved: Mapping[int, int]) -> dict[int, int]:
+        """Return the values of the program evaluated at the solution, by number of the value."""
+        found: dict[int, int] = {}
+        for i, instruction in enumerate(self._program.instructions):
+            if instruction.op is Op.INPUT and instruction.array == "ydot":
+                found[i] = self._solution[instruction.index]
+            elif all(found[j] == moved[j] for j in instruction.operands):
+                found[i] = moved[i]
+            else:
+                operands = [found[j] for j in instruction.operands]
+                bare = self._builder.copy(instruction.named(""), operands)
+                found[i] = self._builder.name(bare, f"{instruction.name}_s" if instruction.name else "")
+        return found
+
+    def _required(self) -> dict[int, Column]:
+        """Return the derivatives of what motion requires at constant components, by column and row."""
+        found: dict[int, Column] = {}
+        if "x" in self._columns:
+            first = self._columns["x"].start
+            for place in range(len(self._columns_of("x"))):
+                motion = self._nonzero(self._row("motions", place), self._moved)
+                shares = {j: {first + place: share} for j, share in motion.items()}
+                self._add_products(found, "by_motion", shares)
+        speeds = self._tangents("speeds", self._columns.keys() & set(STATE))
+        self._add_products(found, "by_speed", dict(enumerate(speeds)))
+        for i, slopes in enumerate(self._tangents("required", self._columns.keys() - {*STATE, "tau"})):
+            for column, slope in slopes.items():
+                self._add(found, column, i, slope)
+        return found
+
+    def _columns_of(self, array: str) -> range:
+        """Return the columns of an array."""
+        return range(self._columns[array].start, self._columns[array].stop)
+
+    def _add_products(self, found: dict[int, Column], name: str, shares: Mapping[int, Tangent]) -> None:
+        """Add derivatives by motions or speeds, times derivatives of these by column.
+
+        Args:
+            found: Derivatives by column and row.
+            name: Name of the rows of the part that hold the derivatives.
+            shares: Derivatives by column of each motion or speed, by place in {y}.
+        """
+        for i in range(self._n):
+            for j, value in self._nonzero(self._row(name, i), self._moved).items():
+                for column, share in shares.get(j, {}).items():
+                    self._add(found, column, i, self._builder.multiply(share, value))
+
+    def _add(self, found: dict[int, Column], column: int, row: int, value: int) -> None:
+        """Add a value to an entry of a column."""
+        entries = found.setdefault(column, {})
+        entries[row] = self._builder.add(entries[row], value) if row in entries else value
+
+    def _solved(self, required: Mapping[int, Column], efforts: Sequence[Tangent]) -> dict[int, Column]:
+        """Return the derivatives of the components by column, for those of what is required and efforts."""
+        by_column, found = _by_column(efforts), dict[int, Column]()
+        for column, right in self._right_sides(required, by_column).items():
+            if column in required:
+                solved = self._elimination.solve(right)
+                found[column] = {row: self._builder.negate(value) for row, value in solved.items()}
+            else:
+                found[column] = self._elimination.solve(by_column[column])
+        return found
+
+    def _right_sides(
+        self, required: Mapping[int, Column], efforts: Mapping[int, Column]
+    ) -> dict[int, Column]:
+        """Return what is required less efforts, by column."""
+        found: dict[int, Column] = {}
+        for column in sorted({*required, *efforts}):
+            found[column] = dict(required.get(column, {}))
+            for row, value in efforts.get(column, {}).items():
+                found[column][row] = self._subtracted(found[column].get(row), value)
+        return found
+
+    def _subtracted(self, value: int | None, change: int) -> int:
+        """Return `value` less `change`, where an absent value is zero."""
+        return self._builder.negate(change) if value is None else self._builder.subtract(value, change)
+
+    def _tangents(
+        self, name: str, by: Collection[str], known: Mapping[int, Tangent] | None = None
+    ) -> list[Tangent]:
+        """Return the derivatives of a row of the part, by column, for each place in {y}.
+
+        Args:
+            name: Name of the row.
+            by: Arrays by which it is differentiated.
+            known: Derivatives of instructions of the program that are known.
+        """
+        wanted, copied = self._row(name), (self._builder, self._program, self._moved)
+        seeds = {**self._seeds(by), **(known or {})}
+        found = seeded_tangents(*copied, seeds, wanted, self._constants)
+        return [found[value] for value in wanted]
+
+    def _seeds(self, by: Collection[str]) -> dict[int, Tangent]:
+        """Return the tangents of the inputs of the arrays `by`, each with its column."""
+        one = self._builder.constant(self._constants.quotient(1, 1))
+        return {
+            i: {self._columns[x.array].start + x.index: one}
+            for i, x in enumerate(self._program.instructions)
+            if x.op is Op.INPUT and x.array in by
+        }
+
+
+def _by_column(rows: Sequence[Tangent]) -> dict[int, Column]:
+    """Return the entries of rows by column and row."""
+    found: dict[int, Column] = {}
+    for i, row in enumerate(rows):
+        for column, value in row.items():
+            found.setdefault(column, {})[i] = value
+    return found

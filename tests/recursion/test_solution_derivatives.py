@@ -1,0 +1,179 @@
+"""Derivatives of {ydot} from parts: against tangents of the solver in many digits, their errors and cost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import kanegen as kg
+from benchmarks import models
+from kanegen.compiler import compile_candidate, compile_module
+from kanegen.lowering.accept import accept
+from kanegen.lowering.conditioning import condition
+from kanegen.options import STRICT
+from kanegen.program.count import count
+from kanegen.program.evaluate import evaluate
+from kanegen.program.ir import PREPARED, Module, Op
+from kanegen.recursion.outputs import SOLUTION_PARTS
+from tests.support import prescribed_trees, random_trees, systems
+from tests.support.cases import slow_except
+from tests.support.systems import eight_body
+
+NAME = "forward_dynamics_derivatives"
+HINGE = (False, False, True, False, False, False)
+
+
+def floating(seed: int, kind: str) -> kg.System:
+    """Return a floating base with hinges, a ball joint and a slide, motors, loads and force elements.
+
+    Args:
+        seed: Seed of all numbers.
+        kind: How the base is oriented: "angles", "angular velocity" or "quaternion".
+    """
+    drawing = random_trees.Drawing(np.random.default_rng(seed))
+    frees = [(True,) * 6, HINGE, HINGE, (True, True, True, False, False, False), HINGE[::-1]]
+    bodies = []
+    for k, (lower, free) in enumerate(zip((0, 1, 1, 2, 3), frees, strict=True)):
+        mass = float(drawing.rng.uniform(0.5, 2.0))
+        inertia = systems.random_inertia(drawing.rng, mass, 0.6) + 0.4 * mass * np.eye(3)
+        is_free = kind if k == 0 else "quaternion" if kind == "quaternion" and all(free[:3]) else "angles"
+        joint = kg.Joint(
+            position=drawing.vector(),
+            orientation=systems.random_rotation(drawing.rng).tolist(),
+            free=free,
+            speeds="angle_rates" if is_free == "angles" else "angular_velocity",
+            coordinates="quaternion" if is_free == "quaternion" else "angles",
+            armature=(0.0, 0.0, 0.3, 0.0, 0.0, 0.0) if k == 2 else (0.0,) * 6,
+        )
+        bodies.append(
+            kg.Body(
+                f"b{k + 1}",
+                lower,
+                drawing.number(mass),
+                inertia.tolist(),
+                drawing.vector(),
+                joint,
+                loads=k in (0, 3),
+            )
+        )
+    elements: list[Any] = [kg.JointSpring("b2.theta3", stiffness=3.0, damping=0.5)]
+    if kind == "quaternion":
+        elements.append(kg.Spring(("b5", (0.5, 1.0, 2.0)), stiffness=9.0, damping=1.0))
+    return kg.System("floating", tuple(bodies), (0.3, -0.2, -9.81), force_elements=tuple(elements))
+
+
+def modules(system: kg.System, name: str = NAME) -> tuple[Module, Module]:
+    """Return the programs of an output from its parts and by tangents of the solver."""
+    request = accept(system, (name,), STRICT)
+    (first, *_) = condition(request)
+    assert SOLUTION_PARTS in first.methods
+    methods = {key: way for key, way in first.methods.items() if key != SOLUTION_PARTS}
+    found = (first, replace(first, methods=methods))
+    return tuple(compile_candidate(request, one).module for one in found)  # type: ignore[return-value]
+
+
+def inputs_of(module: Module, system: kg.System, seed: int, **fixed: Any) -> dict[str, list[Any]]:
+    """Return a random number for every element of every input, and the constants that `prepare` fills."""
+    arrays = [array for array in next(iter(module.functions.values())).inputs if array.name != PREPARED]
+    flat = {
+        array.name: [mpmath.mpf(v) for v in np.random.default_rng([seed, i]).uniform(-1, 1, array.size)]
+        for i, array in enumerate(arrays)
+    }
+    if module.prepare is not None:
+        numbers = {"parameters": [mpmath.mpf(p.value) for p in system.parameters]}
+        flat |= evaluate(module.prepare, numbers, mpmath, mpmath.mpf)
+    return flat | fixed
+
+
+def agree(system: kg.System, seed: int, name: str = NAME) -> None:
+    """Check that both programs compute the same derivatives, under the same conditions."""
+    with mpmath.workdps(50):
+        found = []
+        for module in modules(system, name):
+            (program,) = module.functions.values()
+            (values,) = evaluate(program, inputs_of(module, system, seed), mpmath, mpmath.mpf).values()
+            found.append(list(values))
+            assert len(program.outputs[0].exists_if_positive) == len(system.freedoms)
+        size = max(abs(v) for v in found[1])
+        assert max(abs(a - b) for a, b in zip(*found, strict=True)) < 1e-12 * size  # constants are doubles
+
+
+@pytest.mark.parametrize("name", [NAME, "forward_dynamics_input_derivatives"])
+@pytest.mark.parametrize("kind", ["angles", "angular velocity", "quaternion"])
+@pytest.mark.parametrize("seed", slow_except(range(4), 1))
+def test_floating_bases(seed: int, kind: str, name: str) -> None:
+    agree(floating(seed, kind), seed, name)
+
+
+@pytest.mark.parametrize("kind", ["angles", "quaternion"])
+def test_one_floating_body(kind: str) -> None:
+    """Whose mass centre is its origin for the solver."""
+    system = floating(5, kind)
+    agree(replace(system, bodies=system.bodies[:1], force_elements=()), 3)
+
+
+@pytest.mark.parametrize("seed", slow_except(range(24), 4))
+def test_random_trees_of_all_kinds(seed: int) -> None:
+    """With force elements, loads on bodies and points, motors, rotors, couplings and parameters."""
+    system = random_trees.everything(seed, bodies=3)
+    (first, *_) = condition(accept(system, (NAME,), STRICT))
+    if SOLUTION_PARTS in first.methods:
+        agree(system, seed)
+
+
+@pytest.mark.parametrize("kind", ["slides and hinges", "rates"])
+def test_prescribed_motion(kind: str) -> None:
+    agree(prescribed_trees.tree(kind, 2), 2, "forward_dynamics_input_derivatives")
+
+
+def test_next_to_gimbal_lock_of_a_floating_base_no_digits_are_lost() -> None:
+    """The angles of the base are those of its file; 2^11 roundoffs of a column, where the solver has 2^8."""
+    system = floating(2, "angles")
+    module, _ = modules(system)
+    (program,) = module.functions.values()
+    for distance in (1e-3, 1e-8):
+        given = {key: [float(v) for v in values] for key, values in inputs_of(module, system, 7).items()}
+        given["x"][1] = float(np.pi / 2 - distance)
+        (rounded,) = evaluate(program, given, np, np.float64).values()
+        with mpmath.workdps(60):
+            exact_inputs = {key: [mpmath.mpf(v) for v in values] for key, values in given.items()}
+            (exact,) = evaluate(program, exact_inputs, mpmath, mpmath.mpf).values()
+            errors = [float(a - mpmath.mpf(float(b))) for a, b in zip(exact, rounded, strict=True)]
+        error, size = (
+            np.linalg.norm(np.array(v, dtype=float).reshape(len(system.freedoms), -1), axis=0)
+            for v in (errors, exact)
+        )
+        assert (error[size > 0] < 2**11 * 2**-53 * size[size > 0]).all()
+
+
+@pytest.mark.parametrize("system", [eight_body()], ids=["eight bodies"])
+def test_several_floating_bodies_are_left_to_the_solver(system: kg.System) -> None:
+    (way, *_) = condition(accept(system, (NAME,), STRICT))
+    assert SOLUTION_PARTS not in way.methods
+
+
+OPERATIONS = {"ur5": 2199, "panda": 5611, "hyq": 20594, "talos_reduced": 96939}
+"""Additions, multiplications and divisions of all derivatives of {ydot}, by robot."""
+
+
+@pytest.mark.parametrize("name", slow_except(OPERATIONS, "ur5", "panda"))
+def test_operations(name: str) -> None:
+    program = compile_module(models.system(name), (NAME,)).module.functions[NAME]
+    counts = count(program)
+    assert sum(counts[kind] for kind in ("add", "multiply", "divide")) == OPERATIONS[name]
+
+
+def test_the_pose_and_the_speed_of_a_floating_base_have_no_part_by_structure() -> None:
+    """Its accelerations depend on its orientation through efforts alone, and never on where it is."""
+    system = replace(floating(3, "angles"), force_elements=())
+    program = compile_module(system, (NAME,)).module.functions[NAME]
+    n, values = len(system.freedoms), program.outputs[0].values
+    entries = [program.instructions[value] for value in values]
+    zero = np.array([x.op is Op.CONSTANT and x.number == 0 for x in entries]).reshape(n, -1)
+    moves = [i for freedom, i in system.places.items() if freedom.body == 1 and not freedom.is_angle]
+    assert zero[:, moves].all()
+    assert zero[:, [n + i for i in moves]].all()
