@@ -51,7 +51,7 @@ def solved(seed: int, *, units: bool) -> tuple[Program, ColumnSolution, np.ndarr
         for j in range(i + 1)
         if matrix[i, j]
     }
-    elimination = Elimination(builder, entries, carriers, builder.constant(1.0))
+    elimination = Elimination.of_matrix(builder, entries, carriers, builder.constant(1.0))
     columns = {
         c: {r: builder.input("right", 7 * r + c) for r in range(ROWS) if right[r, c]} for c in range(7)
     }

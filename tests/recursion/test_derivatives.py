@@ -7,7 +7,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.lowering import differentiate
+from kanegen.lowering import solution_columns
 from kanegen.program.count import count
 from kanegen.recursion.outputs import DERIVATIVES
 from kanegen.reference.kinematics import kinematics
@@ -70,7 +70,7 @@ def test_derivatives_agree_with_complex_steps(seed: int, kind: str, name: str) -
 def test_derivatives_in_loops_agree_with_complex_steps(
     seed: int, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(differentiate, "LOOPED", 0)
+    monkeypatch.setattr(solution_columns, "LOOPED", 0)
     system, name = SYSTEMS[kind](seed), DYNAMICS[-1]
     inputs = state(system, seed)
     close(values(system, inputs, name)[name], expected(system, inputs, name), 1e-11)
