@@ -6,6 +6,7 @@ The handlers and kernels are those for a GPU, compiled by a shim of nvcc and reg
 from __future__ import annotations
 
 import importlib
+import os
 import pickle
 from collections.abc import Iterator
 from typing import Any
@@ -16,7 +17,8 @@ import pytest
 import kanegen as kg
 from kanegen.errors import BuildError, OptionError
 from tests.support.cuda import SHIM
-from tests.support.paths import MODELS
+from tests.support.pages import blocks
+from tests.support.paths import MODELS, ROOT
 
 pytestmark = [pytest.mark.embed("jax"), pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")]
 
@@ -99,3 +101,13 @@ def test_what_is_refused(pendulum: kg.System) -> None:
         functions(pendulum, "forward_dynamics", device="cuda", nvcc="nvcc-that-is-missing")
     with pytest.raises(OptionError, match="target cuda: it has no step_rk4"):
         functions(pendulum, "step_rk4", device="cuda", nvcc=NVCC)
+
+
+def test_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lines of the page for JAX; its programs in CUDA C++ are run by tests/c/test_cuda.py."""
+    monkeypatch.setenv("PATH", f"{SHIM}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.chdir(ROOT)
+    names: dict[str, Any] = dict(zip(("x", "y", "tau"), np.full((3, 7), 0.1, np.float32), strict=True))
+    exec("".join(blocks("embedding/cuda", "python")), names)
+    expected = names["panda"].library.forward_dynamics(names["x"], names["y"], names["tau"])
+    assert (np.asarray(names["ydot"]) == expected).all()
