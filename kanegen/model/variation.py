@@ -355,6 +355,8 @@ class SystemVariations(SystemDescription):
         for name in validation.table(values, "parameters", '{"payload": 2.5}'):
             if name not in known:
                 raise ModelError(f"unknown parameter {quoted(name)}. {did_you_mean(name, known)}")
+        if not values:
+            return self
 
         def change(value: Number) -> Number:
             return with_parameters_changed(

@@ -129,4 +129,8 @@ def angle_rate_matrix_dot(sines: Numbers, cosines: Numbers, rates: Numbers) -> N
 
 def _matrix(*rows: list[Numbers]) -> Numbers:
     """Return the matrix of rows of entries that have the shape of the batch."""
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    entries = [np.asarray(entry) for row in rows for entry in row]
+    matrix: Numbers = np.empty((*entries[0].shape, len(rows), len(rows[0])), np.result_type(*entries))
+    for place, entry in enumerate(entries):
+        matrix[..., place // len(rows[0]), place % len(rows[0])] = entry
+    return matrix
