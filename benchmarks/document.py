@@ -10,7 +10,7 @@ from string import Template
 from benchmarks import summaries
 from kanegen.measure.timing import CONFIDENCE
 from kanegen.studies.bench import BenchOptions, Comparison, table
-from kanegen.studies.bench.peers import casadi_peer
+from kanegen.studies.bench.peers import casadi_peer, dynibo_peer
 from kanegen.studies.bench.peers.problem import MOST_DERIVATIVE_FREEDOMS
 from kanegen.studies.bench.peers.pydy_peer import MOST_FREEDOMS, TIME_LIMIT
 from kanegen.studies.bench.record import Record
@@ -182,6 +182,7 @@ def _method(options: BenchOptions) -> str:
         "derived": MOST_DERIVATIVE_FREEDOMS,
         "casadi_derived": casadi_peer.MOST_DERIVATIVE_FREEDOMS,
         "time_limit": TIME_LIMIT,
+        "dynibo": dynibo_peer.VERSION,
         "confidence": f"{100 * CONFIDENCE:g} %",
     }
     return template.substitute(numbers).strip()

@@ -18,7 +18,6 @@ PACKAGES = (
     "cmeel-cppadcodegen",
     "casadi",
     "mujoco",
-    "dynibo",
     "frax",
     "jaxlib",
     "pydy",
