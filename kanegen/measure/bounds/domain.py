@@ -24,9 +24,9 @@ The table has the form of a TOML file, that of `domain_tables` with all inputs t
     quaternions = 0.5               # states where every element of a quaternion is smaller in magnitude
 
 A key that is left out keeps the range of the limits of the model or, where it has none, that of
-`reference.states.ranges`; {tau} is 0 without limits, and a parameter has its default, or the value that a
-library has. If no range of a quaternion is given, `exclude.quaternions` is 0.5, so that the box holds all
-unit quaternions and none of length 0.
+`reference.states.ranges`; {tau} is 0 without limits, weights and directions of products with derivatives are
+from -1 to 1, and a parameter has its default, or the value that a library has. If no range of a quaternion is
+given, `exclude.quaternions` is 0.5, so that the box holds all unit quaternions and none of length 0.
 """
 
 from __future__ import annotations
@@ -53,11 +53,13 @@ from kanegen.measure.domain_tables import (
     set_load_ranges,
     set_ranges,
 )
+from kanegen.model.arguments import OF_PRODUCTS
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS
 from kanegen.readers.reader import read_text
 from kanegen.readers.toml import parse_toml
+from kanegen.recursion.outputs import argument_arrays
 from kanegen.reference.states import ranges
 
 PRESCRIBED = ("values", "rates", "accelerations")
@@ -292,6 +294,7 @@ def _default_sizes(system: System) -> dict[str, Floats]:
         "ydot": found.y * rate,
         "tau": limits.efforts(np.zeros(n)),
     }
+    sizes |= {one.name: np.ones(one.size) for one in argument_arrays(system) if one.name in OF_PRODUCTS}
     if any(body.loads for body in system.bodies):
         sizes |= {"force": found.force.ravel(), "torque": found.torque.ravel()}
     sizes |= {
