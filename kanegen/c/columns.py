@@ -152,7 +152,7 @@ def _body(loops: Loops, sweeps: Sweeps) -> list[str]:
         size=array.size,
         columns=sum(len(group.columns) for group in loops.solution.groups),
         operations=sum(loops.solution.operations.values()),
-        row=array.size // loops.solution.rows,
+        row=array.size // loops.solution.stored,
         block=f"{sweeps.most}*KANEGEN_LANES" if sweeps.in_lanes else sweeps.most,
         zero=sweeps.every(sweeps.zero),
         minus_one=sweeps.constant(-1.0),
@@ -174,7 +174,7 @@ def _tables(solution: ColumnSolution) -> dict[str, object]:
     ]
     counts = [(len(g.columns), len(g.given), len(g.reduced), len(g.solved)) for g in solution.groups]
     has_inverse = any(group.is_of_inverse for group in solution.groups)
-    copied = dict.fromkeys(solution.order[::-1], 0)
+    copied = dict.fromkeys(solution.outward, 0)
     for i, _ in solution.mirrored:
         copied[i] += 1
     return {
@@ -182,11 +182,13 @@ def _tables(solution: ColumnSolution) -> dict[str, object]:
         "carriers": _lines(row for carriers in solution.carriers for row in carriers),
         "counts": _lines(f"{{{a}, {b}, {c}, {d}}}" for a, b, c, d in counts),
         "lists": _lines(lists),
-        "order": _lines(solution.order[::-1]) if has_inverse else "",
+        "order": _lines(solution.outward) if has_inverse else "",
+        "units": len(solution.outward),
         "copied": _lines(copied.values()),
         "first_unit": solution.first_unit,
         "factors": solution.number_of_factors,
         "rows": solution.rows,
+        "stored": solution.stored,
         "groups": len(solution.groups),
     }
 
@@ -201,5 +203,7 @@ def _lines(entries: Iterable[object]) -> str:
 def _has_zeros(loops: Loops) -> bool:
     """Return whether there are elements that no loop computes."""
     solution = loops.solution
-    filled = sum(len(group.columns) * len(group.solved) for group in solution.groups)
+    filled = sum(
+        len(group.columns) * sum(row < solution.stored for row in group.solved) for group in solution.groups
+    )
     return filled + len(solution.mirrored) < loops.array.size

@@ -8,11 +8,11 @@ instruction by instruction.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from graphlib import TopologicalSorter
 
 from kanegen.program.builder import Builder
-from kanegen.program.columns import column_solution
+from kanegen.program.columns import ColumnSolution, column_solution
 from kanegen.program.constants import Constants
 from kanegen.program.elimination import Column, Elimination
 from kanegen.program.ir import Array, Op, Output, Program
@@ -24,6 +24,21 @@ LOOPED = 20_000
 
 STATE = ("x", "y")
 """Arrays by which the part holds derivatives of what motion requires."""
+
+
+@dataclass(frozen=True)
+class _Loops:
+    """A solution in loops.
+
+    Attributes:
+        elimination: The elimination of [A], with maps from components to {ydot}.
+        right: Right sides with their sign changed, and what is added to mapped rows, by column and row.
+        solution: The plan.
+    """
+
+    elimination: Elimination
+    right: Mapping[int, Column]
+    solution: ColumnSolution
 
 
 class SolutionColumns:
@@ -66,16 +81,52 @@ class SolutionColumns:
         """
         base = self._part.renumbered(self._moved)
         required, efforts = self._required(), self._tangents("efforts", self._columns.keys() - {"tau"})
-        if all(map(self._is_component, range(self._n))):
-            tau = self._columns.get("tau", slice(0, 0))
-            right = self._right_sides(required, _by_column(efforts))
-            solution = column_solution(self._elimination.carriers, right, tau)
-            if sum(solution.operations.values()) >= LOOPED:
-                values = self._elimination.values_of(solution, right, zero)
-                return replace(base, array=array, values=values, solution=solution)
+        plan = self._looped(required, _by_column(efforts))
+        if sum(plan.solution.operations.values()) >= LOOPED:
+            values = plan.elimination.values_of(plan.solution, plan.right, zero)
+            return replace(base, array=array, values=values, solution=plan.solution)
         rows = self._rows(self._solved(required, efforts))
         values = tuple(row.get(column, zero) for row in rows for column in range(array.row))
         return replace(base, array=array, values=values)
+
+    def _looped(self, required: Mapping[int, Column], efforts: Mapping[int, Column]) -> _Loops:
+        """Return the solution in loops, with entries of {ydot} mapped that are no free components."""
+        mapped = [i for i in range(self._n) if not self._is_component(i)]
+        place = {i: self._n + k for k, i in enumerate(mapped)}
+        maps, added = self._map_of_components(), self._tangents("rates", self._columns.keys() - {"tau"})
+        elimination = self._elimination.relabelled(place)
+        for i in mapped:
+            elimination = elimination.with_map(i, {place.get(k, k): value for k, value in maps[i].items()})
+        right = {
+            column: {place.get(i, i): value for i, value in rows.items()}
+            for column, rows in self._right_sides(required, efforts).items()
+        }
+        for i in mapped:
+            for column, value in added[i].items():
+                right.setdefault(column, {})[i] = value
+        tau = self._columns.get("tau", slice(0, 0))
+        for column, effort in self._efforts_of(mapped).items():
+            right[column] = {place.get(i, i): self._builder.negate(v) for i, v in effort.items()}
+        solution = column_solution(elimination.carriers, right, tau, frozenset(mapped))
+        return _Loops(elimination, right, solution)
+
+    def _map_of_components(self) -> list[Tangent]:
+        """Return the derivatives of the entries of {ydot} by free components, by place of these in {y}."""
+        one = self._builder.constant(self._constants.quotient(1, 1))
+        components = {
+            i: {x.index: one}
+            for i, x in enumerate(self._program.instructions)
+            if x.op is Op.INPUT and x.array == "ydot"
+        }
+        return self._tangents("rates", (), components)
+
+    def _efforts_of(self, places: Collection[int]) -> dict[int, Column]:
+        """Return the derivatives of efforts on components by entries of {tau}, by column."""
+        if "tau" not in self._columns:
+            return {}
+        first = self._columns["tau"].start
+        efforts = _by_column(self._tangents("efforts", ("tau",)))
+        return {column: effort for column, effort in efforts.items() if column - first in places}
 
     def _rows(self, solved: dict[int, Column]) -> list[Tangent]:
         """Return the derivatives of the entries of {ydot}, by column, from those of the components."""

@@ -8,6 +8,9 @@ zeros that are known when the code is generated are not computed.
 The factors are those of [A] = [L]^T [D] [L], from the outermost row inward. Columns of the solution with
 {b} = -{e}, where {e} is a column of the unit matrix, are columns of [A]^-1; of these, one of two elements
 that symmetry makes equal is computed, and the other is copied.
+
+Some rows of the result may be mapped: each is its own element of {b} less products of its factors with
+components, rows of [A] that are no rows of the result.
 """
 
 from __future__ import annotations
@@ -33,7 +36,8 @@ class ColumnGroup:
 
     Attributes:
         columns: The columns, in increasing order.
-        given: Rows of {b} that are computed; () for columns of [A]^-1, where {b} is minus a unit column.
+        given: Rows of {b}, or of what is added to mapped rows, that are computed; () for columns of [A]^-1,
+            where {b} is minus a unit column.
         reduced: Rows that may differ from zero on the way inward, in the order of elimination.
         solved: Rows of {z} that are computed, in the order outward.
     """
@@ -57,22 +61,35 @@ class ColumnSolution:
     the elements of {b}, group by group, of each group row by row.
 
     Attributes:
-        order: The rows in the order of elimination.
-        carriers: For each row the rows that its elimination changes, in the order in which it changes them.
+        order: The rows in the order of elimination; a mapped row comes before its components.
+        carriers: For each row the rows that its elimination changes, in the order in which it changes them;
+            for a mapped row the components that it maps.
         groups: Groups of columns; all elements of columns in no group, and of rows that are not solved, are 0
             unless they are mirrored.
+        mapped: The mapped rows.
         first_unit: Column of the solution for minus the unit column of row 0, if there are such columns.
     """
 
     order: tuple[int, ...]
     carriers: tuple[tuple[int, ...], ...]
     groups: tuple[ColumnGroup, ...]
+    mapped: frozenset[int] = frozenset()
     first_unit: int = 0
 
     @property
     def rows(self) -> int:
-        """Number of rows of [A]."""
+        """Number of rows, with those that are components and no rows of the result."""
         return len(self.carriers)
+
+    @property
+    def stored(self) -> int:
+        """Number of rows of the result; those behind them are components."""
+        return self.rows - len(self.mapped)
+
+    @property
+    def outward(self) -> tuple[int, ...]:
+        """The rows with unit columns, outward: all of the result but mapped ones."""
+        return tuple(row for row in reversed(self.order) if row < self.stored and row not in self.mapped)
 
     @property
     def number_of_factors(self) -> int:
@@ -94,7 +111,7 @@ class ColumnSolution:
     @cached_property
     def mirrored(self) -> tuple[tuple[int, int], ...]:
         """Rows (i, j) of [A]^-1: element (i, j) is copied from (j, i), which is computed."""
-        outward = self.order[::-1]
+        outward = self.outward
         computed = [(group.columns, frozenset(group.solved)) for group in self.groups if group.is_of_inverse]
         solved = {column - self.first_unit: rows for columns, rows in computed for column in columns}
         found = []
@@ -126,32 +143,40 @@ def column_solution(
     carriers: Mapping[int, Sequence[int]],
     given: Mapping[int, Iterable[int]],
     unit_columns: slice = slice(0, 0),
+    mapped: frozenset[int] = frozenset(),
 ) -> ColumnSolution:
     """Return the plan of a solution.
 
     Args:
         carriers: Rows that the elimination of each row changes, by row, in the order of elimination.
         given: Rows of {b} that differ from zero, by column; a column without any is left out.
-        unit_columns: Columns of [A]^-1, as many as rows; () for none.
+        unit_columns: Columns of [A]^-1, as many as rows of the result; () for none. Those of mapped rows are
+            among `given`.
+        mapped: The mapped rows; the last rows, as many, are components.
     """
     order = tuple(carriers)
     lists = tuple(tuple(carriers[row]) for row in range(len(order)))
-    by_rows: dict[tuple[int, ...], list[int]] = {}
+    by_rows: dict[tuple[tuple[int, ...], tuple[int, ...]], list[int]] = {}
     for column in sorted(given):
-        if rows := _reduced(order, lists, given[column]):
-            by_rows.setdefault(rows, []).append(column)
+        reduced = _reduced(order, lists, [row for row in given[column] if row not in mapped])
+        added = tuple(row for row in sorted(given[column]) if row in mapped)
+        if reduced or added:
+            by_rows.setdefault((reduced, added), []).append(column)
     groups = []
-    for reduced, columns in by_rows.items():
+    for (reduced, added), columns in by_rows.items():
         rows = tuple(sorted({row for column in columns for row in given[column]}))
-        groups.append(ColumnGroup(tuple(columns), rows, reduced, _solved(order, lists, reduced)))
+        solved = _solved(order, lists, (*reduced, *added))
+        groups.append(ColumnGroup(tuple(columns), rows, reduced, solved))
     units = []
-    for row in order if unit_columns.stop > unit_columns.start else ():
+    with_units = [row for row in order if row < len(order) - len(mapped) and row not in mapped]
+    for row in with_units if unit_columns.stop > unit_columns.start else ():
         reduced = _reduced(order, lists, [row])
         needed = _solved(order, lists, reduced)
-        solved = needed[: needed.index(row) + 1]
+        wanted = _with_inward(lists, (*needed[: needed.index(row) + 1], *mapped.intersection(needed)))
+        solved = tuple(one for one in needed if one in wanted)
         units.append(ColumnGroup((unit_columns.start + row,), (), reduced, solved))
     joined = (*_joined(groups, order, lists), *_joined(units, order, lists))
-    return ColumnSolution(order, lists, joined, unit_columns.start)
+    return ColumnSolution(order, lists, joined, mapped, unit_columns.start)
 
 
 def _reduced(
@@ -168,13 +193,31 @@ def _reduced(
 def _solved(
     order: Sequence[int], carriers: Sequence[Sequence[int]], reduced: Sequence[int]
 ) -> tuple[int, ...]:
-    """Return the rows of the solution that differ from zero, in the order outward."""
+    """Return the rows of the solution that differ from zero, in the order outward.
+
+    Args:
+        order: The rows in the order of elimination.
+        carriers: For each row the rows that its elimination changes.
+        reduced: Rows that differ from zero on the way inward, and mapped rows to which something is added.
+    """
     found: dict[int, None] = {}
     given = frozenset(reduced)
     for row in reversed(order):
         if row in given or any(other in found for other in carriers[row]):
             found[row] = None
     return tuple(found)
+
+
+def _with_inward(carriers: Sequence[Sequence[int]], rows: Iterable[int]) -> set[int]:
+    """Return rows of a solution with all further inward from which they are computed."""
+    found: set[int] = set()
+    left = list(rows)
+    while left:
+        row = left.pop()
+        if row not in found:
+            found.add(row)
+            left += carriers[row]
+    return found
 
 
 def _joined(
@@ -190,7 +233,9 @@ def _joined(
         carriers: For each row the rows that its elimination changes.
     """
     places = {row: place for place, row in enumerate(order)}
-    found = sorted(groups, key=lambda group: (places[group.reduced[0]], -len(group.reduced)))
+    found = sorted(
+        groups, key=lambda group: (places[(group.reduced or group.solved)[0]], -len(group.reduced))
+    )
 
     def time(group: ColumnGroup) -> float:
         steps = sum(1 + len(carriers[row]) for row in (*group.reduced, *group.solved))

@@ -63,6 +63,31 @@ class Elimination:
                         a[i, j] = builder.subtract(a[i, j], change) if (i, j) in a else builder.negate(change)
         return cls(builder, every, inverses)
 
+    def relabelled(self, places: Mapping[int, int]) -> Elimination:
+        """Return the same elimination with other numbers for some rows."""
+        factors = {
+            places.get(k, k): {places.get(i, i): factor for i, factor in row.items()}
+            for k, row in self._factors.items()
+        }
+        inverses = {places.get(k, k): inverse for k, inverse in self._inverses.items()}
+        return Elimination(self._builder, factors, inverses)
+
+    def with_map(self, row: int, components: Column) -> Elimination:
+        """Return the elimination with a further row of the result, for the plan of a solution in loops.
+
+        Args:
+            row: Its number.
+            components: Factors of the rows whose sum it is.
+        """
+        rows: dict[int, Column] = {}
+        own = {i: self._builder.negate(factor) for i, factor in components.items()}
+        for k, factors in self._factors.items():
+            if k in components and row not in rows:
+                rows[row] = own
+            rows[k] = factors
+        # No right side is divided by its pivot.
+        return Elimination(self._builder, rows, {**self._inverses, row: next(iter(self._inverses.values()))})
+
     @property
     def carriers(self) -> dict[int, tuple[int, ...]]:
         """Rows that the elimination of each row changes, where their factor is not zero by structure."""

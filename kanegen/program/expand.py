@@ -43,12 +43,13 @@ def expanded_module(module: Module) -> Module:
 def _solved(builder: Builder, output: Output, solution: ColumnSolution) -> Output:
     """Return an output whose loops become instructions of a builder."""
     expansion = _Expansion(builder, solution, output.values)
-    width = output.array.size // solution.rows
+    width = output.array.size // solution.stored
     elements = [expansion.zero] * output.array.size
     for group, right in expansion.groups():
         for place, column in enumerate(group.columns):
             for row, value in expansion.column(group, place, right).items():
-                elements[width * row + column] = value
+                if row < solution.stored:
+                    elements[width * row + column] = value
     for i, j in solution.mirrored:
         elements[width * i + solution.first_unit + j] = elements[width * j + solution.first_unit + i]
     return replace(output, values=tuple(elements), solution=None)
