@@ -65,13 +65,8 @@ class Participant:
         Raises:
             MissingError: If the driver fails.
         """
-        driver, *others = self.command
         with tempfile.TemporaryDirectory() as folder:
-            fresh = driver if others else shutil.copy2(driver, folder)
-            loads = tuple(Path(shutil.copy2(file, folder)) for file in self.loads)
-            printed = self._run(fresh, "times", repr(seconds), loads)
-        pairs = (line.rsplit(" ", 1) for line in printed.splitlines())
-        return {task: float(value) for task, value in pairs}
+            return self._timed(self._copied(Path(folder)), seconds)
 
     def times_together(self, seconds: float, processes: int) -> dict[str, float]:
         """Time every task in several processes that run at the same time.
@@ -82,9 +77,27 @@ class Participant:
         Raises:
             MissingError: If the driver fails.
         """
-        with ThreadPoolExecutor(processes) as pool:
-            found = list(pool.map(self.times, [seconds] * processes))
+        with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(processes) as pool:
+            # All copies are complete before a process starts: a file that is being written cannot be run.
+            copies = []
+            for number in range(processes):
+                own = Path(folder) / str(number)
+                own.mkdir()
+                copies.append(self._copied(own))
+            found = list(pool.map(self._timed, copies, [seconds] * processes))
         return {task: 1 / sum(1 / one[task] for one in found) for task in found[0]}
+
+    def _copied(self, folder: Path) -> tuple[str, tuple[Path, ...]]:
+        """Return a fresh copy of the compiled program, and of the files that it opens."""
+        driver, *others = self.command
+        fresh = driver if others else str(shutil.copy2(driver, folder))
+        return fresh, tuple(Path(shutil.copy2(file, folder)) for file in self.loads)
+
+    def _timed(self, copy: tuple[str, tuple[Path, ...]], seconds: float) -> dict[str, float]:
+        """Run a copy of the program and return nanoseconds of one evaluation by name of the task."""
+        printed = self._run(copy[0], "times", repr(seconds), copy[1])
+        pairs = (line.rsplit(" ", 1) for line in printed.splitlines())
+        return {task: float(value) for task, value in pairs}
 
     def _run(self, driver: str, mode: str, last: str, loads: tuple[Path, ...]) -> str:
         """Run the driver and return its output."""
