@@ -107,16 +107,16 @@ class Making:
     def _ways(self) -> Iterator[str]:
         """Yield the ways to differentiate."""
         system = self.form.system
-        if "forward_dynamics" not in self._product.needs or self.form.refinement.steps:
-            yield "explicit"
-        elif not places_of_angles(system):
+        joints = [body.joint for body in system.bodies]
+        is_implicit = "forward_dynamics" in self._product.needs and not self.form.refinement.steps
+        if is_implicit and not places_of_angles(system):
             yield "solved"
-            joints = [body.joint for body in system.bodies]
-            if sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints) > 1:
-                yield "explicit"
-        elif _has_regular_speeds(system):
+        elif is_implicit and _has_regular_speeds(system):
             yield "components"
         else:
+            yield "explicit"
+            return
+        if sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints) > 1:
             yield "explicit"
 
     @property
