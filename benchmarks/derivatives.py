@@ -39,7 +39,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.derivatives", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("models", nargs="*", default=["ur5", "panda", "hyq", "eight_body"], metavar="MODEL")
+    parser.add_argument(
+        "models", nargs="*", default=["ur5", "chain6", "panda", "go2", "hyq", "eight_body"], metavar="MODEL"
+    )
     parser.add_argument("--build", action="store_true", help="time the default build instead")
     options = parser.parse_args()
     for name in options.models:

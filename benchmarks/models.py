@@ -15,14 +15,14 @@ EIGHT_BODY = Path(__file__).parents[1] / "models" / "eight_body.toml"
 ROBOTS = {"ur5": "ur5_robot", "panda": "panda", "baxter": "baxter"}
 FLOATING = {"hyq": "hyq_no_sensors", "talos_reduced": "talos_reduced"}
 
-LARGE = {"g1": "g1_29dof_rev_1_0"}
+FURTHER = {"g1": "g1_29dof_rev_1_0", "go2": "go2"}
 """Floating robots that studies take by name alone."""
 
 NAMES = (*ROBOTS, *FLOATING, "eight_body", "chain64")
 
 
 def system(name: str) -> kg.System:
-    """Return the system `name`, one of `NAMES` or `LARGE`, without loads, which not every peer takes.
+    """Return the system `name`, one of `NAMES` or `FURTHER`, without loads, which not every peer takes.
 
     A chain may have any number of links, as in "chain256".
     """
@@ -33,7 +33,7 @@ def system(name: str) -> kg.System:
         return revolute_chain(int(name.removeprefix("chain")))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", kg.KanegenWarning)
-        if stem := (FLOATING | LARGE).get(name):
+        if stem := (FLOATING | FURTHER).get(name):
             return replace(kg.load(_urdf(stem), floating_base=True), name=name)
         return replace(kg.load(_urdf(ROBOTS[name])), name=name)
 
