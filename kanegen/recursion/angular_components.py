@@ -30,10 +30,22 @@ def angular_speeds(tree: Tree) -> Derived:
 
 def torques(tree: Tree) -> Derived:
     """Derive {tau} with the torque of each joint with three free angles in place of their forces."""
-    result: list[Expr] = [generalized_force(one.body, one.index) for one in tree.system.freedoms]
+    return Derived(
+        with_torques(tree, [generalized_force(one.body, one.index) for one in tree.system.freedoms])
+    )
+
+
+def with_torques(tree: Tree, efforts: Sequence[Expr]) -> list[Expr]:
+    """Return efforts with the torque of each joint with three free angles in place of their efforts.
+
+    Args:
+        tree: The tree.
+        efforts: Generalized forces by place in {y}.
+    """
+    result = list(efforts)
     for places, found in _maps(tree, "efforts in the body, Eq. (9)"):
         _replace(result, places, found.torque(_three(result, places)))
-    return Derived(result)
+    return result
 
 
 def angle_accelerations(tree: Tree) -> Derived:

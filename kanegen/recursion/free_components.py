@@ -16,8 +16,9 @@ from dataclasses import replace
 
 from sympy import Expr, S
 
+from kanegen.recursion.angular_components import with_torques
 from kanegen.recursion.constants import exact
-from kanegen.recursion.coordinate_rates import angle_rates, axes_of_angles
+from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.joint_builder import turning_as_a_whole
 from kanegen.recursion.joint_motion import AngularSpeed, JointMotion, Step
 from kanegen.recursion.tree import Tree
@@ -68,10 +69,8 @@ def _with_free_components(joint: JointMotion, tree: Tree) -> JointMotion:
 
 def _speeds_of_angles(joint: JointMotion, definitions: Definitions) -> tuple[AngularSpeed, ...]:
     """Return the components of the relative angular velocity of a joint with three free angles, Eq. (8)."""
-    omega = ZERO
-    for step, axis in zip(joint.angles, axes_of_angles(joint.angles, definitions), strict=True):
-        omega = add(omega, scale(step.rate, axis))
-    named = definitions.vector(f"wr_{joint.body}", omega)
+    one, two, three = (step.rate for step in joint.angles)
+    named = definitions.vector(f"wr_{joint.body}", angle_rates(joint, definitions).angular((one, two, three)))
     return tuple(
         AngularSpeed(
             freedom=step.freedom,
@@ -107,14 +106,8 @@ def component_efforts(tree: Tree, efforts: Sequence[Expr], *, about_origins: boo
         efforts: Generalized forces by place in {y}.
         about_origins: Whether those on rotations are moments about the origins of the tree, not about O_K.
     """
-    found, definitions = list(efforts), tree.definitions
+    found, definitions = with_torques(tree, efforts), tree.definitions
     for joint in tree.joints:
-        if joint.rotates_freely:
-            tree.about(joint.body, "efforts in the body, Eq. (9)")
-            one, two, three = (found[step.freedom] for step in joint.angles)
-            torque = angle_rates(joint, definitions).torque((one, two, three))
-            for step, value in zip(joint.angles, torque, strict=True):
-                found[step.freedom] = value
         if floats(joint):
             tree.about(joint.body, "efforts in the body, Eq. (9)")
             force = Vector(*(found[one.freedom] for one in joint.translations))
