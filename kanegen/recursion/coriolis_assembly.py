@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from sympy import Add, Expr
+from sympy import Add, Expr, S
 
 from kanegen.recursion.columns import shifted_columns
 from kanegen.recursion.coriolis_columns import (
@@ -21,6 +21,7 @@ from kanegen.recursion.coriolis_columns import (
     rotation_column,
     rotor_column,
     translation_column,
+    with_coriolis,
 )
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import AngularSpeed, JointMotion, Step, Translation
@@ -28,7 +29,7 @@ from kanegen.recursion.merged_columns import merged
 from kanegen.recursion.relative_momentum import HALF, RelativeMomentum, second_moments
 from kanegen.recursion.rotors import SpinningRotor
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO, Rows, add, cross, dot, scale, unit
+from kanegen.recursion.vectors import ZERO, Rows, Wrench, add, cross, dot, scale, unit
 from kanegen.symbolic.definitions import Vector
 
 
@@ -58,10 +59,11 @@ class CoriolisAssembly:
     Args:
         tree: The tree.
         rotors: Rotors whose spin takes part.
+        multiple: By how much the entries and the columns of [C] are multiplied, those of [A] not.
     """
 
-    def __init__(self, tree: Tree, rotors: Iterable[SpinningRotor]) -> None:
-        self.tree = tree
+    def __init__(self, tree: Tree, rotors: Iterable[SpinningRotor], multiple: Expr = S.One) -> None:
+        self.tree, self.multiple = tree, multiple
         self.motions = frame_motions(tree)
         self._bodies = [Inertia(), *tree.inertias]
         self._momenta = [RelativeMomentum() for _ in self._bodies]
@@ -72,7 +74,7 @@ class CoriolisAssembly:
                 self._add_rotor(rotor)
 
     def entry(self, i: int, j: int) -> Expr:
-        """Return an entry of [C], the sum of its terms."""
+        """Return the multiple of an entry of [C], the sum of its terms."""
         terms = self._entries.get((i, j), [])
         return self.tree.definitions.define(f"Cm_{i}_{j}", Add(*terms))
 
@@ -142,7 +144,8 @@ class CoriolisAssembly:
             below: The same, as a frame sees it that turns with J, in components of K.
             second: Second moments [D] of the body.
         """
-        return rotation_column(one, f"{joint.body}w{one.axis + 1}", body, second, self.tree.definitions)
+        label = f"{joint.body}w{one.axis + 1}"
+        return self._multiplied(rotation_column(one, label, body, second, self.tree.definitions))
 
     def across_angular(self, col: Column, joint: JointMotion, one: AngularSpeed, body: MovingBody) -> Expr:
         """Return the entry of a component of a relative angular velocity in the row of a freedom outward.
@@ -153,7 +156,7 @@ class CoriolisAssembly:
             one: The component.
             body: The composite body that it turns, in its own frame.
         """
-        return col.across(one.axis, body.motion)
+        return col.across(one.axis, self.multiplied_motion(body.motion))
 
     def _below_turn(self, carried: Carried, joint: JointMotion, step: Step, motion: FrameMotion) -> Carried:
         """Record the entries of an angle, begin its column, and pass everything through its turn.
@@ -196,7 +199,8 @@ class CoriolisAssembly:
         """
         for col in seen.columns:
             self._record(step.shares, col.places, col.along(step.axis))
-            self._record(col.places, step.shares, col.across(step.axis, seen.body.motion))
+            across = col.across(step.axis, self.multiplied_motion(seen.body.motion))
+            self._record(col.places, step.shares, across)
 
     def begun_rotation(self, joint: JointMotion, step: Step, body: MovingBody, second: Rows) -> Column:
         """Begin the column of an angle below its turn.
@@ -208,18 +212,18 @@ class CoriolisAssembly:
             second: Second moments [D] of this body.
         """
         label = f"{joint.body}a{step.angle + 1}"
-        return rotation_column(step, label, body, second, self.tree.definitions)
+        return self._multiplied(rotation_column(step, label, body, second, self.tree.definitions))
 
     def record_translations(self, carried: Carried, joint: JointMotion) -> None:
         """Record the entries of the translations of a joint, with each other and those further outward."""
         omega, mass = self.motions[joint.lower][-1].omega, carried.body.inertia.mass
         for one in joint.translations:
-            turning = cross(omega, one.direction)
+            turning = scale(self.multiple, cross(omega, one.direction))
             for col in carried.columns:
                 self._record(one.shares, col.places, dot(one.direction, col.coriolis.force))
                 self._record(col.places, one.shares, dot(turning, col.inertial.force))
             for other in joint.translations:
-                value = mass * dot(one.direction, cross(omega, other.direction))
+                value = self.multiple * mass * dot(one.direction, cross(omega, other.direction))
                 self._record(one.shares, other.shares, value)
 
     def _pass_to_lower_body(self, carried: Carried, joint: JointMotion) -> None:
@@ -246,7 +250,21 @@ class CoriolisAssembly:
             body: The composite body that it moves, about the origin of the lower body, in the frame of this.
         """
         label = f"{joint.body}t{one.axis + 1}" if one.is_coupled else f"{joint.body}s{one.number}"
-        return translation_column(one, label, body, self.tree.definitions)
+        return self._multiplied(translation_column(one, label, body, self.tree.definitions))
+
+    def multiplied_motion(self, motion: FrameMotion) -> FrameMotion:
+        """Return a motion of a frame, multiplied as [C] is."""
+        omega, velocity = (
+            self.tree.definitions.vector(f"{name}m", scale(self.multiple, vector))
+            for name, vector in (("w", motion.omega), ("v", motion.velocity))
+        )
+        return FrameMotion(omega, velocity)
+
+    def _multiplied(self, column: Column) -> Column:
+        """Return a column of [A] and [C] that begins, with its part of [C] multiplied."""
+        coriolis = Wrench(*(scale(self.multiple, v) for v in (column.coriolis.force, column.coriolis.moment)))
+        couple = scale(self.multiple, column.couple)
+        return with_coriolis(column, coriolis, couple, self.tree.definitions)
 
 
 def sliding(joint: JointMotion) -> Vector:

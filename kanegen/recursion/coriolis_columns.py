@@ -227,11 +227,21 @@ def with_slope(column: Column, slope: Wrench, definitions: Definitions) -> Colum
     return replace(column, slope=_named_slope(slope, column.inertial.label, definitions))
 
 
-def with_coriolis(column: Column, wrench: Wrench, definitions: Definitions) -> Column:
-    """Return a column with another force and moment for unit rate, with its symbols."""
+def with_coriolis(column: Column, wrench: Wrench, couple: Vector, definitions: Definitions) -> Column:
+    """Return a column with another part of [C], with its symbols.
+
+    Args:
+        column: The column, where it begins.
+        wrench: Its force and moment for unit rate.
+        couple: Its couple.
+        definitions: Definitions that the intermediates are added to.
+    """
     label = column.inertial.label
-    force = definitions.vector(f"FC_{label}", wrench.force)
-    return replace(column, coriolis=Wrench(force, definitions.vector(f"MC_{label}", wrench.moment)))
+    force, moment = (
+        definitions.vector(f"{name}_{label}", one)
+        for name, one in (("FC", wrench.force), ("MC", wrench.moment))
+    )
+    return replace(column, coriolis=Wrench(force, moment), couple=definitions.vector(f"TC_{label}", couple))
 
 
 def _named(column: Column, name: str, definitions: Definitions) -> Column:

@@ -18,7 +18,7 @@ from kanegen.recursion.coriolis_assembly import Carried, CoriolisAssembly
 from kanegen.recursion.coriolis_columns import Column, MovingBody, with_coriolis, with_slope
 from kanegen.recursion.inverse_dynamics import carried_wrenches, required_wrenches
 from kanegen.recursion.joint_motion import AngularSpeed, FreedomMotion, JointMotion, Step, Translation
-from kanegen.recursion.relative_momentum import HALF, whole_second_moments
+from kanegen.recursion.relative_momentum import whole_second_moments
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import Rows, Wrench, add, cross, dot, multiply, rows, scale, subtract, unit
 from kanegen.symbolic.definitions import Vector
@@ -54,7 +54,7 @@ class SlopeAssembly(CoriolisAssembly):
     """
 
     def __init__(self, tree: Tree, *, accelerated: bool) -> None:
-        super().__init__(tree, ())
+        super().__init__(tree, (), TWO)
         moved = body_motions(tree, accelerated=accelerated)
         needed = required_wrenches(tree, moved, {})
         self._paths = {k: motion.path for k, motion in moved.items()}
@@ -75,8 +75,8 @@ class SlopeAssembly(CoriolisAssembly):
         return self.tree.definitions.define(f"A_{max(i, j)}_{min(i, j)}", Add(*terms))
 
     def by_speed(self, i: int, j: int) -> Expr:
-        """Return the derivative of generalized force i by speed j."""
-        return TWO * self.entry(i, j)
+        """Return the derivative of generalized force i by speed j, twice the entry of [C]."""
+        return self.entry(i, j)
 
     def _record_slope(self, rows: Mapping[int, Expr], columns: Mapping[int, Expr], value: Expr) -> None:
         """Add the value for two freedoms to the derivatives of the entries of {y} that move them."""
@@ -127,11 +127,11 @@ class SlopeAssembly(CoriolisAssembly):
             seen: What the body carries, as this frame sees it.
             columns: The columns of these freedoms.
         """
-        passing = scale(TWO, cross(axis.rate, seen.body.motion.velocity))
+        passing = cross(axis.rate, self.multiplied_motion(seen.body.motion).velocity)
         passing = add(passing, cross(axis.direction, frame.acceleration))
         passing = self.tree.definitions.vector(f"ux_{axis.label}", passing)
         for col in columns:
-            value = dot(col.inertial.moment, axis.second) + TWO * dot(col.couple, axis.rate)
+            value = dot(col.inertial.moment, axis.second) + dot(col.couple, axis.rate)
             self._record_slope(col.places, one.shares, value - dot(col.inertial.force, passing))
 
     def with_angular_speeds(self, carried: Carried, joint: JointMotion) -> Carried:
@@ -159,10 +159,10 @@ class SlopeAssembly(CoriolisAssembly):
         about {a} as an axis of J.
         """
         begun = super().begun_angular(joint, one, body, below, second)
-        definitions, half = self.tree.definitions, self._half_turned(joint, one)
-        force = add(begun.coriolis.force, cross(half, body.inertia.moment))
-        moment = add(begun.coriolis.moment, multiply(rows(body.inertia.inertia), half))
-        begun = with_coriolis(begun, Wrench(force, moment), definitions)
+        definitions, turned = self.tree.definitions, cross(unit(one.axis), joint.relative_omega)
+        force = add(begun.coriolis.force, cross(turned, body.inertia.moment))
+        moment = add(begun.coriolis.moment, multiply(rows(body.inertia.inertia), turned))
+        begun = with_coriolis(begun, Wrench(force, moment), begun.couple, definitions)
         if joint.is_weightless:
             return begun
         frame, load = self._paths[joint.body][-2], self._transmitted[joint.body][-1]
@@ -171,14 +171,9 @@ class SlopeAssembly(CoriolisAssembly):
         return with_slope(begun, slope, definitions)
 
     def across_angular(self, col: Column, joint: JointMotion, one: AngularSpeed, body: MovingBody) -> Expr:
-        """Return half the derivative by a component of {w} in the row of a freedom outward."""
+        """Return the derivative by a component of {w} in the row of a freedom outward."""
         across = super().across_angular(col, joint, one, body)
-        return across + dot(col.inertial.moment, self._half_turned(joint, one))
-
-    def _half_turned(self, joint: JointMotion, one: AngularSpeed) -> Vector:
-        """Return half of {a} x {w} for the basis vector {a} of a component of {w}."""
-        half = self.tree.definitions.vector(f"wh_{joint.body}", scale(HALF, joint.relative_omega))
-        return cross(unit(one.axis), half)
+        return across + dot(col.inertial.moment, cross(unit(one.axis), joint.relative_omega))
 
     def begun_rotation(self, joint: JointMotion, step: Step, body: MovingBody, second: Rows) -> Column:
         """Begin the column of an angle below its turn, with its slope; record the derivative by itself."""

@@ -38,6 +38,7 @@ from kanegen.recursion.joined_turns import with_joined_turns
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.refinement import Refinement, unless_positive
+from kanegen.recursion.relative_momentum import HALF
 from kanegen.recursion.rotors import spinning_rotors
 from kanegen.recursion.slope_assembly import SlopeAssembly
 from kanegen.recursion.symmetric_factors import factorised
@@ -177,8 +178,9 @@ def _required_at_rest(free: Tree, assembly: SlopeAssembly, speeds: Sequence[Expr
     places = range(len(speeds))
     weights = [S.Zero] * len(speeds) if weightless else gravity_forces(free).entries
     free.definitions.about("what speeds and weights require, Eq. (44)")
-    products = [[assembly.entry(i, j) * speeds[j] for j in places] for i in places]
-    return [free.definitions.define(f"fv_{i}", Add(*products[i]) - weights[i]) for i in places]
+    products = [[assembly.by_speed(i, j) * speeds[j] for j in places] for i in places]
+    twice = [free.definitions.define(f"fw_{i}", Add(*row)) for i, row in enumerate(products)]
+    return [free.definitions.define(f"fv_{i}", HALF * twice[i] - weights[i]) for i in places]
 
 
 def _efforts(tree: Tree, *, accelerated: bool, together: bool) -> list[Expr]:
