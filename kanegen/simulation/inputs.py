@@ -17,7 +17,7 @@ from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
 from kanegen.model.components import AXES
 from kanegen.simulation.input_tables import InputTable, read_table
-from kanegen.simulation.signals import Signal, TimeFunction, state_variables
+from kanegen.simulation.signals import Signal, TimeFunction, require_arguments, state_variables
 from kanegen.simulation.tables import TIME
 from kanegen.simulation.turning import NO_TURNS, Acting, Sampled, Turns, turns_of
 
@@ -117,6 +117,12 @@ class Inputs:
                 prescribed freedom has no motion.
             ReadError: If a file cannot be read.
         """
+        for label, function, names in (
+            ("effort", effort, ("t", "x", "y")),
+            ("prescribed", prescribed, ("t",)),
+        ):
+            if callable(function):
+                require_arguments(label, function, names)
         known = places(library)
         signals: list[tuple[Place, Signal | TimeFunction]] = []
         tables = []
@@ -350,6 +356,7 @@ def _signal(
     if name not in known:
         raise OptionError(f"inputs: there is no {quoted(name)}. {did_you_mean(name, known)}")
     if callable(text):
+        require_arguments(f"input {name}", text, ("t",))
         count = 3 if known[name].argument == "prescribed" else 1
         return known[name], TimeFunction(f"input {name}", text, count)
     place, signal = known[name], Signal.of(f"input {name}", text, library)

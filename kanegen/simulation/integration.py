@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from kanegen.errors import StatusError
+from kanegen.library.native.status import NO_CONVERGENCE, TOO_LONG
 from kanegen.model.arguments import Floats
 from kanegen.simulation.motion import Motion, StateLayout
 
@@ -85,10 +86,7 @@ def implicit_midpoint(motion: Motion, time: float, step: float, state: Floats) -
         if is_stagnant or (change <= 4 * roundoff * (np.abs(state) + size)).all():
             return step * rate
         before = largest
-    raise StatusError(
-        f"at t = {time:.9g} s: the implicit midpoint method does not converge. Take a smaller step than "
-        f"{step!r} s."
-    )
+    raise StatusError(f"at t = {time:.9g} s: {NO_CONVERGENCE}: {TOO_LONG}")
 
 
 class LengthKeeper:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from kanegen.library import Library
-from kanegen.library.native.status import INACCURATE, StatusReport, report
+from kanegen.library.native.status import INACCURATE, MISSING, StatusReport, report
 from kanegen.model.arguments import Floats
 from kanegen.simulation.inputs import Inputs, Interval
 
@@ -165,12 +165,13 @@ class Motion:
     def _react(self, time: float, found: StatusReport) -> None:
         """Stop where a result is missing or not finite; keep the report of one that may be inaccurate.
 
-        The first evaluation is in the first state, which does not depend on the step.
+        The first evaluation is in the first state, which does not depend on the step. A report of a step says
+        itself what helps, unless a result is missing.
         """
-        message = f"at t = {time:.9g} s: {found.message}"
+        message = f"at t = {time:.9g} s: {found.of_step or found.message}"
         if found.kind != INACCURATE:
-            advice = " A smaller step may avoid this." if self.evaluations > 1 else ""
-            raise replace(found, message=message + advice).error
+            may_help = self.evaluations > 1 and (found.kind == MISSING or not found.of_step)
+            raise replace(found, message=message + " A smaller step may avoid this." * may_help).error
         if self.library.on_status != "warn":
             report(replace(found, message=message), self.library.on_status)
         else:

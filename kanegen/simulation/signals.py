@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -121,7 +122,7 @@ class TimeFunction:
         """Return the numbers at a time (s).
 
         Raises:
-            OptionError: If there is another number of them, or one is no real number.
+            OptionError: If there is another number of them, or one is no finite real number.
         """
         found = np.asarray(self.function(time))
         if found.dtype.kind not in "iuf" or found.shape not in (
@@ -133,7 +134,33 @@ class TimeFunction:
                 f"{self.label}: at t = {time:.9g} s the function returned {found.dtype} of shape "
                 f"{found.shape}; expected {expected}."
             )
+        if not np.isfinite(found).all():
+            raise OptionError(
+                f"{self.label}: at t = {time:.9g} s the function returned {found.tolist()}; expected finite "
+                "numbers."
+            )
         return np.asarray(found, np.float64).reshape(self.count)
+
+
+def require_arguments(label: str, function: Callable[..., Any], names: tuple[str, ...]) -> None:
+    """Make sure that a function of the caller takes as many arguments as it will get.
+
+    Functions that do not say what they take, such as some of C, pass.
+
+    Raises:
+        OptionError: If it takes fewer or needs more.
+    """
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return
+    try:
+        signature.bind(*names)
+    except TypeError:
+        hint = " A force that depends on the state is `effort`." if label.startswith("input ") else ""
+        raise OptionError(
+            f"{label}: the function takes {signature}; expected ({', '.join(names)}).{hint}"
+        ) from None
 
 
 def float_of(number: float | Parameter) -> float:

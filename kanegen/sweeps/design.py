@@ -1,13 +1,14 @@
 """The rows of a sweep: every combination of variants, grid values and samples, numbered from 0.
 
-Variants, such as the precision, change slowest, then the axes with values in the order in which they stand,
-the last of them fastest; samples change fastest. Rows are made when they are needed, since there may be many.
+Variants, such as the precision, and lists of expressions change slowest, then the axes with numbers in the
+order in which they stand, the last of them fastest; samples change fastest. Rows are made when they are
+needed, since there may be many.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -69,10 +70,12 @@ class Design:
     """The rows of a sweep.
 
     Attributes:
-        variants: Values of variants, in the order of the axes.
+        variants: Values of variants and texts of lists of expressions, in the order of the axes.
         grid: Values of the other axes.
         samples: (S,) values of each axis with a distribution.
         formulas: Formulas by name of the axis.
+        alternatives: Formulas by name of an input with a list of expressions, which is one of the variants,
+            and by their text.
         defaults: What names in formulas stand for where they are no axes.
         plain: All axes in plain data, by name.
         sampling: How axes with distributions are sampled.
@@ -85,6 +88,7 @@ class Design:
     defaults: Mapping[str, float]
     plain: Mapping[str, Any]
     sampling: Sampling = field(default_factory=Sampling)
+    alternatives: Mapping[str, Mapping[str, Formula]] = field(default_factory=dict)
 
     @cached_property
     def combinations(self) -> tuple[dict[str, Any], ...]:
@@ -123,11 +127,15 @@ class Design:
         found = [{"names": list(axis.names), "size": len(axis.rows)} for axis in (*self.variants, *self.grid)]
         return found + ([{"names": [], "size": self.sampling.count}] if self.samples else [])
 
-    @cached_property
-    def timed(self) -> Mapping[str, Formula]:
-        """The formulas that depend on the time, each after those from which it follows."""
+    def timed(self, variant: Mapping[str, Any]) -> Mapping[str, Formula]:
+        """Return the formulas that depend on the time, each after those from which it follows.
+
+        Args:
+            variant: One of `combinations`, which chooses from lists of expressions.
+        """
         timed = formulas.depending_on_time(self.formulas)
-        return {name: self.formulas[name] for name in formulas.ordered(self.formulas) if name in timed}
+        found = {name: self.formulas[name] for name in formulas.ordered(self.formulas) if name in timed}
+        return found | {name: texts[variant[name]] for name, texts in self.alternatives.items()}
 
     def columns(self, first: int, last: int) -> dict[str, Floats]:
         """Return the numbers of `names` in the rows `first` to `last` - 1 of a variant, each (B,)."""
@@ -213,24 +221,37 @@ def read_design(system: System, axes: Mapping[Any, Any], sampling: Sampling, whe
     distributions = {names[0]: axis for names, axis in read.items() if isinstance(axis, Distribution)}
     of_formulas = {names[0]: axis for names, axis in read.items() if isinstance(axis, Formula)}
     several = [axis for axis in read.values() if isinstance(axis, Values)]
+    alternatives = _alternatives(where, several, system)
+    slowest = [axis for axis in several if axis.names[0] in (*VARIANTS, *alternatives)]
     for name in formulas.depending_on_time(of_formulas):
         if not name.startswith(tuple(f"{kind}." for kind in INPUTS)):
             raise OptionError(
                 f"{where}: {name}: only inputs such as tau.{system.freedom_names[0]} depend on {TIME}."
             )
     found = Design(
-        variants=tuple(axis for axis in several if axis.names[0] in VARIANTS),
-        grid=tuple(axis for axis in several if axis.names[0] not in VARIANTS),
+        variants=tuple(slowest),
+        grid=tuple(axis for axis in several if axis not in slowest),
         samples={},
         formulas=of_formulas,
         defaults=formulas.defaults(system),
         plain={", ".join(names): axis.plain for names, axis in read.items()},
         sampling=sampling,
+        alternatives=alternatives,
     )
     rows = found.rows * (sampling.count if distributions else 1)
     if rows > MOST_ROWS:
         raise OptionError(f"{where}: {rows} rows are more than {MOST_ROWS}. Take fewer values or samples.")
     return replace(found, samples=sampling.draw(distributions))
+
+
+def _alternatives(where: str, axes: Iterable[Values], system: System) -> dict[str, dict[str, Formula]]:
+    """Return the formulas of lists of expressions by name of the axis and by text."""
+    found = {}
+    for axis in axes:
+        name, texts = axis.names[0], [row[0] for row in axis.rows]
+        if name not in VARIANTS and isinstance(texts[0], str):
+            found[name] = {text: formulas.formula(f"{where}: {name}", text, system) for text in texts}
+    return found
 
 
 def _require_prescribed(where: str, system: System, names: Iterable[str]) -> None:
@@ -264,7 +285,22 @@ def _axis(where: str, names: tuple[str, ...], value: Any, system: System) -> Axi
         return formulas.formula(where, value, system)
     if isinstance(value, Mapping) and (found := distribution_of(where, value)):
         return found
-    return Values(names, tuple((number(where, one),) for one in _between(where, value)))
+    given = _between(where, value)
+    if any(isinstance(one, str) for one in given):
+        return _expressions(where, names, given)
+    return Values(names, tuple((number(where, one),) for one in given))
+
+
+def _expressions(where: str, names: tuple[str, ...], given: Sequence[Any]) -> Values:
+    """Return the axis of an input with a list of expressions, among which numbers may be."""
+    if names[0].partition(".")[0] not in INPUTS:
+        text = next(one for one in given if isinstance(one, str))
+        raise OptionError(
+            f"{where}: {quoted(text)} is not a number. Lists of expressions are for inputs alone, such as "
+            "'tau' and 'prescribed'."
+        )
+    texts = [one if isinstance(one, str) else repr(number(where, one)) for one in given]
+    return Values(names, tuple((text,) for text in texts))
 
 
 def _between(where: str, value: Any) -> list[Any]:

@@ -98,8 +98,9 @@ def make_plan(
     jobs = [_job_of(job, variant) for variant in design.combinations]
     if len({one.looks() for one in jobs}) > 1 and any(name.startswith(f"{PATH}.") for name in job.names):
         raise OptionError("job: results over time ('path') need the same number of times in all variants.")
+    built: dict[Any, Library] = {}
     programs = tuple(
-        _program(system, design, own, variant, progress)
+        _program(system, design, own, variant, progress, built)
         for own, variant in zip(jobs, design.combinations, strict=True)
     )
     rows = _chunk_rows(programs, design.rows_of_variant) if chunk_rows is None else _checked(chunk_rows)
@@ -151,21 +152,32 @@ def _columns(system: System, design: Design, program: Program) -> dict[str, dict
 
 
 def _program(
-    system: System, design: Design, job: RolloutJob, variant: Mapping[str, Any], progress: Progress
+    system: System,
+    design: Design,
+    job: RolloutJob,
+    variant: Mapping[str, Any],
+    progress: Progress,
+    built: dict[Any, Library],
 ) -> Program:
-    """Return what the rows of a variant have in common."""
+    """Return what the rows of a variant have in common.
+
+    `built` has the libraries so far by outputs and choices: variants of inputs alone share one.
+    """
     outputs = (*job.outputs(system), *([job.rollout] if job.duration else []))
     choices = {name: value for name, value in variant.items() if name in BUILD_VARIANTS}
+    key = outputs, tuple(choices.items())
     tier = chosen_variant(choices.pop("tier", "strict"), **choices)
-    inputs = Inputs.of(system, design.names, design.timed)
-    library = compiler.build(
-        system,
-        outputs or ("kinetic_energy",),
-        progress=progress,
-        tier=tier,
-        on_status="ignore",
-        parameters_by_state=bool(inputs.parameters),
-    )
+    inputs = Inputs.of(system, design.names, design.timed(variant))
+    if key not in built:
+        built[key] = compiler.build(
+            system,
+            outputs or ("kinetic_energy",),
+            progress=progress,
+            tier=tier,
+            on_status="ignore",
+            parameters_by_state=bool(inputs.parameters),
+        )
+    library = built[key]
     if library.storage == "double-double":
         raise OptionError(
             "axes: tier: arrays of a sweep hold no double-double numbers. Take storage 'double'."

@@ -66,7 +66,8 @@ def sweep(
     of the code, and "method", "step" and "duration" of the job. The values of an axis are a number, a list,
     or `{"from": 0.5, "to": 2.0, "count": 16, "spacing": "log"}`; a distribution `{"uniform": [low, high]}`,
     `{"log_uniform": [low, high]}` or `{"normal": [mean, deviation]}`, which is sampled; or the text of an
-    expression of other axes and parameters such as "2*x.q1", which for an input may depend on the time t.
+    expression of other axes and parameters such as "2*x.q1", which for an input may depend on the time t;
+    an input takes a list of expressions, too.
     Rows of values for several axes that go together stand under their names with commas:
     `{"m1, m2": [[1.0, 2.0], [1.5, 1.0]]}`. All other values are combined with each other. What no axis names
     has its default; coordinates are neutral, speeds and inputs 0. Each prescribed freedom needs an axis.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -130,6 +131,8 @@ def test_a_push_of_a_function_of_the_time_is_not_missed() -> None:
             r"input slider\.s1: at t = 0 s the function returned float64 of",
         ),
         ({FREEDOM: lambda t: "a"}, r"input slider\.s1: at t = 0 s .* expected a real number"),
+        ({FREEDOM: lambda t: math.nan}, r"input slider\.s1: at t = 0 s the function returned nan; expected"),
+        ({FREEDOM: lambda t, x: 1.0}, r"input slider\.s1: the function takes \(t, x\); expected \(t\)\."),
     ],
 )
 def test_functions_that_return_something_else_are_refused(inputs: Any, message: str) -> None:

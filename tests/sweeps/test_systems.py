@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,6 +121,25 @@ def test_prescribed_motion_is_an_axis() -> None:
         kg.sweep(shaken, {"m": 0.1}, job)
     job = kg.RolloutJob(0.1, 0.01, results="end.x")
     assert kg.sweep(shaken, {"prescribed.base.s1": 1.0}, job).column("end.x.block.s1").tolist() == [0.0]
+
+
+def test_lists_of_expressions_are_combined_with_other_axes() -> None:
+    """A mass of a kg has the speed 0.5 m/s after 1 s under a t N, and (1 + a)/a m/s under 1 + a N."""
+    texts = ["a*t", "1 + a"]
+    body = replace(oscillator(0.0).bodies[0], mass=kg.Parameter("a", 1.0))
+    system = replace(oscillator(0.0), bodies=(body,))
+    job = kg.RolloutJob(1.0, 0.125, results="end.y")
+    found = kg.sweep(system, {"a": [1.0, 2.0], "tau.slider.s1": [*texts, 3]}, job)
+    assert found.column("tau.slider.s1").tolist() == [text for text in [*texts, "3.0"] for _ in range(2)]
+    assert found.column("end.y.slider.s1").tolist() == pytest.approx([0.5, 0.5, 2.0, 1.5, 3.0, 1.5])
+    assert found.to_xarray()["end.y.slider.s1"].sel({"tau.slider.s1": "a*t", "a": 2.0}) == pytest.approx(0.5)
+    with pytest.raises(
+        kg.OptionError,
+        match=r"axes: x\.slider\.s1: 'a' is not a number\. Lists of expressions are for inputs",
+    ):
+        kg.sweep(system, {"x.slider.s1": ["a", "2*a"]}, job)
+    with pytest.raises(kg.OptionError, match=r"axes: tau\.slider\.s1: expression 'b'"):
+        kg.sweep(system, {"tau.slider.s1": ["a", "b"]}, job)
 
 
 def test_compensated_steps_keep_more_digits_of_single_precision() -> None:

@@ -282,8 +282,8 @@ class RolloutCall:
         """
         status, made, y = found
         if not made.ndim:
-            clause, kind = self._clause(status, inputs, constants, int(made), course)
-            return StatusReport(f"{self._name}: {clause}", kind, is_alone=False)
+            when, words, kind = self._clause(status, inputs, constants, int(made), course)
+            return StatusReport(f"{self._name}: {when} {words}", kind, is_alone=False, of_step=words)
         concerned = np.flatnonzero(made < course.steps)
         lost = [k for k in concerned if not np.isfinite(y[k, -1]).all()]
         first = int((lost or concerned)[0])
@@ -293,14 +293,15 @@ class RolloutCall:
         }
         own = constants.alone(first, self._prepared)
         code, *_ = self._called(own, alone, (), course)
-        clause, kind = self._clause(code, alone, own, int(made[first]), course)
-        message = f"{self._name}: in {status} of {len(made)} states, first in state {first}, {clause}"
-        return StatusReport(message, kind, is_alone=False, states=status)
+        when, words, kind = self._clause(code, alone, own, int(made[first]), course)
+        where = f"in {status} of {len(made)} states, first in state {first}"
+        message = f"{self._name}: {where}, {when} {words}"
+        return StatusReport(message, kind, is_alone=False, states=status, of_step=f"{where}, {words}")
 
     def _clause(
         self, status: int, inputs: Mapping[str, Input], constants: Constants, made: int, course: Course
-    ) -> tuple[str, str]:
-        """Return the sentence on a state, and the kind of its status."""
+    ) -> tuple[str, str, str]:
+        """Return after how many steps a state has a status, the sentence on it, and its kind."""
         start = float(inputs["t"].array.reshape(-1)[0]) if "t" in inputs else 0.0
         when = f"after {made} of {course.steps} steps, at t = {start + made * course.step:.9g} s,"
         kind = self._status.kind(status)
@@ -309,8 +310,8 @@ class RolloutCall:
         if kind == NOT_FINITE:
             cause = self._status.bad_input(first) if made == 0 else ""
             advice = f"because {cause}" if cause else "a smaller step may avoid this"
-            return f"{when} the next state is not finite: {advice}.", kind
+            return when, f"the next state is not finite: {advice}.", kind
         words = self._status.clause(status, first if made == 0 else {}, ())
         if kind == INACCURATE:
-            return f"{when} accelerations may not be accurate: {words}", kind
-        return f"{when} {words}", kind
+            return when, f"accelerations may not be accurate: {words}", kind
+        return when, words, kind

@@ -60,12 +60,15 @@ class StatusReport:
             batch.
         is_alone: Whether the call was for one state, and not for a batch.
         states: Number of states concerned.
+        of_step: For a function that makes steps the sentence without its name and the time of the step; ""
+            for others.
     """
 
     message: str
     kind: str
     is_alone: bool
     states: int = 1
+    of_step: str = ""
 
     @property
     def error(self) -> StatusError:
@@ -118,7 +121,9 @@ def naming(changed: Mapping[str, float], on_status: OnStatus) -> OnStatus:
     )
 
     def rule(found: StatusReport) -> None:
-        report(replace(found, message=f"{found.message} The parameters set were {values}."), on_status)
+        further = f" The parameters set were {values}."
+        of_step = found.of_step and found.of_step + further
+        report(replace(found, message=found.message + further, of_step=of_step), on_status)
 
     return rule
 
