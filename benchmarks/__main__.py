@@ -26,7 +26,7 @@ from kanegen.studies.bench.against import compare_records, require_comparable
 from kanegen.studies.bench.peers.registry import PEERS
 from kanegen.studies.bench.plot import svg
 from kanegen.studies.bench.record import Record, read_record
-from kanegen.studies.bench.table import heads_of_changes, row_of_change
+from kanegen.studies.bench.table import heads_of_changes, row_of_change, words_of_changes
 from kanegen.studies.markdown import markdown_table
 
 ROOT = Path(__file__).parents[1]
@@ -73,7 +73,7 @@ def main() -> None:
     if before is not None:
         verdict = compare_records(record, before, arguments.against)
         print(markdown_table(heads_of_changes(), [row_of_change(row) for row in verdict.rows], 5))
-        print("\n".join(verdict.notes))
+        print("\n".join((*words_of_changes(verdict), *verdict.notes)))
         failed += [f"{row.model} became slower" for row in verdict.slower]
     if failed:
         sys.exit(f"some results do not agree or became slower; the tables say which: {', '.join(failed)}")

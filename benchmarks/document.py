@@ -15,7 +15,15 @@ from kanegen.studies.bench.peers.problem import MOST_DERIVATIVE_FREEDOMS
 from kanegen.studies.bench.peers.pydy_peer import MOST_FREEDOMS, TIME_LIMIT
 from kanegen.studies.bench.record import Record
 from kanegen.studies.bench.results import BY_DIFFERENCES, TOLERANCE
-from kanegen.studies.bench.settings import DEFAULT, DEFAULT_AVX2, NATIVE, NATIVE_AVX2, PORTABLE, Setting
+from kanegen.studies.bench.settings import (
+    CONTRACTED,
+    CONTRACTED_AVX2,
+    DEFAULT,
+    DEFAULT_AVX2,
+    MEANINGS,
+    PORTABLE,
+    Setting,
+)
 from kanegen.studies.markdown import markdown_table
 
 _INTRODUCTION = f"""\
@@ -46,14 +54,6 @@ _ALL_CORES = """\
 Every program runs once on every core at the same time, with states of its own, and the time is that in
 which all cores together have computed one state more."""
 
-_MEANINGS = {
-    DEFAULT.name: "what `kanegen.build` takes here, with the bits of portable code",
-    DEFAULT_AVX2.name: "what it takes on a processor with AVX2",
-    PORTABLE.name: "code for every processor of the architecture",
-    NATIVE.name: "products and sums may be fused",
-    NATIVE_AVX2.name: "the same for processors with AVX2",
-}
-
 _METHOD = Path(__file__).with_name("method.md")
 
 
@@ -80,7 +80,7 @@ def document(record: Record) -> str:
         *_from_python(comparisons),
         "## What is compared",
         _method(record.options),
-        "Compiler settings:",
+        "The column *compiler*, and what its words mean:",
         "\n".join(_setting_line(setting) for setting in _settings(comparisons).values()),
         "## Every number",
         *(section(comparison) for comparison in comparisons),
@@ -113,12 +113,12 @@ def _behind(comparisons: Sequence[Comparison]) -> Iterator[str]:
 def _sections(comparisons: Sequence[Comparison]) -> Iterator[str]:
     """Yield the summaries of every compiler setting, for one state a call and for batches."""
     known = _settings(comparisons)
-    for name in (DEFAULT.name, NATIVE.name, DEFAULT_AVX2.name, NATIVE_AVX2.name, PORTABLE.name):
+    for name in (DEFAULT.name, CONTRACTED.name, DEFAULT_AVX2.name, CONTRACTED_AVX2.name, PORTABLE.name):
         if (setting := known.get(name)) is None:
             continue
         for words, batch in (("One state a call", False), ("Batches", True)):
             yield f"## {words}: {setting.words}"
-            yield f"Compiled with `{' '.join(setting.flags)}`: {_MEANINGS[name]}."
+            yield f"Compiled with `{' '.join(setting.flags)}`: {MEANINGS[name]}."
             yield from summaries.summaries(comparisons, setting, batch)
 
 
@@ -166,12 +166,13 @@ def _settings(comparisons: Sequence[Comparison]) -> dict[str, Setting]:
 def _setting_line(setting: Setting) -> str:
     """Return the line of a compiler setting in the list of all."""
     flags = f"`{' '.join(setting.flags)}`" if setting.flags else "as the program chooses"
-    return f"- *{setting.words}*: {flags}"
+    return "; ".join(filter(None, (f"- *{setting.words}*: {flags}", MEANINGS.get(setting.name))))
 
 
 def _method(options: BenchOptions) -> str:
-    """Return the description of the method with its numbers."""
-    template = Template(_METHOD.read_text(encoding="utf-8"))
+    """Return the description of the method with its numbers, without the first paragraph of the template."""
+    _, _, text = _METHOD.read_text(encoding="utf-8").partition("\n\n")
+    template = Template(text)
     numbers = {
         "states": options.states,
         "rounds": options.rounds,

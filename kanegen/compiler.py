@@ -242,7 +242,8 @@ def build(
     `parameters_by_state`, the argument `parameters` of every method may have a row for each state of a batch.
     `mass_matrix` is the form of [A], as for `generate`; `Library.mass_matrix_places` says where the elements
     of a triangle belong.
-    Without `progress`, a build of more than 5 s names its stages on a terminal.
+    Without `progress`, a build of more than 5 s names its stages on a terminal, and nowhere else. In a log
+    or a notebook, `progress=print` does.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.

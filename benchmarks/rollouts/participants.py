@@ -25,7 +25,7 @@ from kanegen.studies.bench.peers.mujoco_peer import MUJOCO, mjcf, mujoco_library
 from kanegen.studies.bench.peers.pinocchio_peer import BOOST, PINOCCHIO, joint_table
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.results import Task
-from kanegen.studies.bench.settings import AS_SHIPPED, NATIVE, Setting
+from kanegen.studies.bench.settings import AS_SHIPPED, CONTRACTED, Setting
 from kanegen.studies.bench.states import write_states
 
 HERE = Path(__file__).parent
@@ -97,12 +97,12 @@ def builders(problem: Problem, many: ActuatedStates, machine: Sequence[str]) -> 
         machine: Names of the instruction sets of this processor.
     """
     states = write_states(many, problem.folder / "many")
-    settings = [NATIVE, AVX2, STRICT_AVX2, *([AVX512] if "avx512f" in machine else [])]
+    settings = [CONTRACTED, AVX2, STRICT_AVX2, *([AVX512] if "avx512f" in machine else [])]
     yield PINOCCHIO, lambda: _pinocchio(problem)
     for setting in settings:
         yield f"{KANEGEN} {setting.name}", lambda setting=setting: _kanegen(problem, states, setting)
     for by_state in (False, True):
-        yield KANEGEN, lambda by_state=by_state: _kanegen(problem, states, NATIVE, by_state)
+        yield KANEGEN, lambda by_state=by_state: _kanegen(problem, states, CONTRACTED, by_state)
     yield MUJOCO, lambda: _mujoco(problem)
     yield SCIPY, lambda: _scipy(problem)
 
@@ -166,11 +166,11 @@ def _pinocchio(problem: Problem) -> Entrant:
     include = headers("libpinocchio", "pinocchio/algorithm/aba.hpp")
     eigen = headers("cmeel-eigen", "eigen3/Eigen/Core") / "eigen3"
     files = {"pinocchio_model.h": driver("pinocchio_model.h"), "pinocchio.cpp": _own("pinocchio.cpp")}
-    flags = (*BOOST, *NATIVE.flags, f"-I{include}", f"-I{eigen}")
+    flags = (*BOOST, *CONTRACTED.flags, f"-I{include}", f"-I{eigen}")
     program = compiled("pinocchio_rollout", files, flags)
     table = problem.write("joints", joint_table(problem.system, joints(problem.system)))
     tasks = (_task("rk4", len(problem.system.freedoms)),)
-    participant = Participant(PINOCCHIO, NATIVE, (str(program),), problem.states_file, tasks, (table,))
+    participant = Participant(PINOCCHIO, CONTRACTED, (str(program),), problem.states_file, tasks, (table,))
     return Entrant(participant, {"rk4": "RK4 with aba"})
 
 

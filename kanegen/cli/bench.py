@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +21,7 @@ from kanegen.cli.options import (
     require_plot,
 )
 from kanegen.cli.terminal import FAILED, print_plain, print_table, progress, screen
-from kanegen.errors import OptionError, counted
+from kanegen.errors import KanegenWarning, OptionError, counted
 from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
@@ -64,7 +65,8 @@ def bench(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Compare with times that --save wrote; the exit status is 1 if a task of kanegen is slower.",
+            help="Compare with times that --save wrote, of at least 5 rounds; the exit status is 1 if a task "
+            "of kanegen became slower.",
         ),
     ] = None,
     plot: Plot = None,
@@ -82,11 +84,15 @@ def bench(
     contact_dynamics holds its origin.
 
     With --against, each task of kanegen is compared by its ratio to a peer that both runs timed, and by its
-    time if there is none; it is slower if the 99 % confidence interval of the change is above 1.02. Times of
-    another machine or compiler are never compared.
+    time if there is none; it is slower if the 99 % confidence interval of the change is above 1.02, and
+    undecided if the interval reaches above 1.1 otherwise. Times of another machine or compiler are never
+    compared.
+
+    The exit status is 0 if all results agree and no task is known to be slower, which undecided tasks leave
+    open; 1 if results differ or a task became slower; and 2 after an error.
     """
     from kanegen.studies.bench import BenchOptions, compare
-    from kanegen.studies.bench.against import compare_records, require_comparable
+    from kanegen.studies.bench.against import LEAST_ROUNDS, compare_records, require_comparable
     from kanegen.studies.bench.outputs import compare_outputs
     from kanegen.studies.bench.plot import svg
     from kanegen.studies.bench.record import Record, read_record
@@ -100,7 +106,13 @@ def bench(
     system = load_system(model, floating_base, right_angles, lock=lock, joint_dynamics=joint_dynamics)
     if saved is not None and against is not None:
         require_comparable(saved, against, system.name, rounds)
-    with progress() as report:
+    if save is not None and rounds < LEAST_ROUNDS:
+        warnings.warn(
+            f"--save: {counted(rounds, 'round')} will not do for --against, which needs {LEAST_ROUNDS}.",
+            KanegenWarning,
+            stacklevel=1,
+        )
+    with progress(is_long=True) as report:
         if output:
             comparison = compare_outputs(system, output, options, report)
         else:
@@ -125,11 +137,9 @@ def _show_changes(verdict: Verdict) -> bool:
     from kanegen.studies.bench import table
 
     print_table(table.heads_of_changes(), [table.row_of_change(row) for row in verdict.rows], 5)
-    for note in verdict.notes:
-        print_plain(f"{note}.")
-    slower = len(verdict.slower)
-    print_plain(f"{counted(slower, 'task')} of {len(verdict.rows)} became slower.")
-    return bool(slower)
+    for line in (*table.words_of_changes(verdict), *(f"{note}." for note in verdict.notes)):
+        print_plain(line)
+    return bool(verdict.slower)
 
 
 def _show(comparison: Comparison, options: BenchOptions) -> None:
@@ -147,5 +157,6 @@ def _show(comparison: Comparison, options: BenchOptions) -> None:
     overheads = [f"{title} {table.ns(value)} ns" for title, value in table.overheads(comparison).items()]
     if overheads:
         screen.print(f"A call from Python takes beyond the C: {', '.join(overheads)}.", soft_wrap=True)
-    for line in (*table.notes(comparison), *table.left_out(comparison)):
+    lines = table.legend(comparison, options.rounds)
+    for line in (*lines, *table.notes(comparison), *table.left_out(comparison)):
         print_plain(line)

@@ -7,10 +7,11 @@ j-th largest of n ratios with the probability 1 - 2 P(B < j), where B is binomia
 distribution of the ratios is (H. A. David, H. N. Nagaraja, Order Statistics, 3rd edition, 2003, section 7.1).
 Such an interval needs at least six rounds.
 
-Rounds of two runs are not taken in turns. Then the ratio of the two runs is the median of all ratios of a
-round of one to a round of the other, and its confidence interval comes from the statistic of Mann and Whitney
-(M. Hollander, D. A. Wolfe, E. Chicken, Nonparametric Statistical Methods, 3rd edition, 2014, sections 4.2 and
-4.3). It needs at least five rounds in each run.
+Rounds of two runs are not taken in turns. Then the change is the ratio of the two medians. Its confidence
+interval comes from the ratios of every round of one run to every round of the other and the statistic of Mann
+and Whitney (M. Hollander, D. A. Wolfe, E. Chicken, Nonparametric Statistical Methods, 3rd edition, 2014,
+sections 4.2 and 4.3), which needs at least five rounds in each run. If the times have two modes, the ratio of
+the medians can lie outside; then the interval is extended to it, since such rounds decide less, not more.
 """
 
 from __future__ import annotations
@@ -36,8 +37,14 @@ TIE = 1.02
 CONFIDENCE = 0.95
 """Probability with which a confidence interval holds the median ratio."""
 
+LEAST_FOR_INTERVAL = 6
+"""Number of rounds below which the median ratio has no such interval."""
+
 CONFIDENCE_OF_CHANGES = 0.99
 """Probability with which a confidence interval holds the ratio of two runs, of which many are looked at."""
+
+SEEN = 1.1
+"""Ratio of two runs that an interval must rule out, if it is to show that a task did not become slower."""
 
 
 @dataclass(frozen=True)
@@ -109,12 +116,12 @@ class Change:
     """The ratio of the times of a later run to those of an earlier one.
 
     Attributes:
-        median: Median of the ratios of all rounds of the one to all rounds of the other.
+        ratio: Ratio of the medians.
         low: Lower end of the confidence interval of the ratio; 0 with too few rounds.
         high: Upper end of this interval; infinity with too few rounds.
     """
 
-    median: float
+    ratio: float
     low: float
     high: float
 
@@ -128,12 +135,17 @@ class Change:
         """Whether the confidence interval is below a tie."""
         return self.high < 1 / TIE
 
+    @property
+    def is_undecided(self) -> bool:
+        """Whether the interval neither shows nor rules out that the later run is slower by a tenth."""
+        return not self.is_slower and self.high > SEEN
+
 
 def change(later: Sequence[float], earlier: Sequence[float]) -> Change:
     """Return the ratio of the rounds of a later run to those of an earlier one, which may be fewer or more.
 
     Example:
-        >>> change([2.0] * 9, [1.0] * 9).median
+        >>> change([2.0] * 9, [1.0] * 9).ratio
         2.0
     """
     ratios = sorted(a / b for a in later for b in earlier)
@@ -142,7 +154,8 @@ def change(later: Sequence[float], earlier: Sequence[float]) -> Change:
     while 2 * (outside := outside + shares[cut + 1]) <= 1 - CONFIDENCE_OF_CHANGES:
         cut += 1
     low, high = (ratios[cut], ratios[-1 - cut]) if cut >= 0 else (0.0, math.inf)
-    return Change(float(np.median(ratios)), low, high)
+    ratio = float(np.median(later) / np.median(earlier))
+    return Change(ratio, min(low, ratio), max(high, ratio))
 
 
 def _mann_whitney(m: int, n: int) -> list[float]:

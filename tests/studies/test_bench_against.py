@@ -26,12 +26,12 @@ from kanegen.studies.bench.settings import Setting
 from tests.support import systems
 
 MACHINE = Machine("processor, 2 cores", "Linux x86_64", "glibc 2.36", "gcc 12", "Python 3.11, casadi 3.8")
-NATIVE = Setting("native", ("-O3", "-march=native"), "AVX-512")
+CONTRACTED = Setting("contracted", ("-O3", "-march=native"), "AVX-512")
 SAVED = Path("before.json")
 
 
 def entry(participant: str, rounds: Sequence[float], quantity: str = EQUATIONS) -> Entry:
-    return Entry(participant, NATIVE, Task(quantity, quantity), 1e-15, Times(tuple(rounds)))
+    return Entry(participant, CONTRACTED, Task(quantity, quantity), 1e-15, Times(tuple(rounds)))
 
 
 def record(*entries: Entry, machine: Machine = MACHINE) -> Record:
@@ -131,6 +131,37 @@ def test_times_are_compared_without_a_peer() -> None:
     assert table.row_of_change(row)[4] == "ns"
 
 
+def test_the_change_is_the_ratio_of_the_medians_that_stand_beside_it() -> None:
+    """Rounds of two modes: the median of all ratios, 1.0, would contradict the medians."""
+    saved = record(entry("kanegen", [*[10.0] * 4, *[16.0] * 5]))
+    new = record(entry("kanegen", [*[10.0] * 5, *[16.0] * 4]))
+    (row,) = compare_records(new, saved, SAVED).rows
+    assert (row.before, row.now) == (16.0, 10.0)
+    assert row.change.ratio == row.now / row.before
+    assert row.change.low <= row.change.ratio <= row.change.high
+    assert table.row_of_change(row)[5:7] == ["16", "10"]
+
+
+def test_noise_is_undecided_and_not_a_pass() -> None:
+    noisy = list(10 * np.random.default_rng(3).lognormal(0, 0.5, 9))
+    verdict = compare_records(record(entry("kanegen", noisy)), record(entry("kanegen", noisy)), SAVED)
+    assert len(verdict.undecided) == 1
+    assert table.row_of_change(verdict.rows[0])[-1] == "undecided"
+    lines = table.words_of_changes(verdict)
+    assert lines[1] == "Of 1 task 0 became slower, 0 became faster; undecided: 1."
+    assert "do not rule out that the task became 10 % slower" in lines[2]
+    quiet = record(entry("kanegen", rounds(10)))
+    assert not compare_records(quiet, quiet, SAVED).undecided
+
+
+def test_rows_of_one_quantity_stand_together() -> None:
+    other = Setting("portable", ("-O2",), "SSE2")
+    first, second = entry("kanegen", rounds(10)), entry("kanegen", rounds(5), DYNAMICS)
+    both = record(first, second, replace(first, setting=other), replace(second, setting=other))
+    quantities = [row.entry.task.quantity for row in compare_records(both, both, SAVED).rows]
+    assert quantities == [EQUATIONS, EQUATIONS, DYNAMICS, DYNAMICS]
+
+
 def test_times_of_another_machine_are_not_compared() -> None:
     other = replace(MACHINE, processor="another processor")
     alone = record(entry("kanegen", rounds(10)), machine=other)
@@ -148,7 +179,7 @@ def test_times_of_another_machine_are_not_compared() -> None:
 def test_a_task_of_one_run_is_named() -> None:
     saved = record(entry("kanegen", rounds(10)), entry("kanegen", rounds(5), DYNAMICS))
     verdict = compare_records(record(entry("kanegen", rounds(10))), saved, SAVED)
-    assert verdict.notes == ("arm: only the saved run timed dynamics (native)",)
+    assert verdict.notes == ("arm: only the saved run timed dynamics (contracted)",)
     assert len(verdict.rows) == 1
 
 
@@ -181,8 +212,14 @@ def test_the_command(factor: float, status: int, tmp_path: Path, monkeypatch: py
         monkeypatch.setattr(bench, "compare", lambda *arguments: times.comparisons[0])
         return CliRunner().invoke(app, ["bench", str(model), *options])
 
-    assert invoke(10.0, "--save", str(saved)).exit_code == 0
+    with pytest.warns(kg.KanegenWarning, match="--save: 3 rounds will not do for --against, which needs 5"):
+        few = invoke(10.0, "--save", str(tmp_path / "few.json"), "--rounds", "3")
+    assert "There are no confidence intervals: they need at least 6 rounds." in few.stdout
+    alone = invoke(10.0, "--save", str(saved))
+    assert (alone.exit_code, alone.stderr) == (0, "")
+    assert "over CasADi: median ratio of the rounds to its fastest row" in alone.stdout
+    assert "compiler contracted, AVX-512 (-O3 -march=native): code for this processor" in alone.stdout
     done = invoke(10.0 * factor, "--against", str(saved))
     assert done.exit_code == status, done.output
-    assert f"{1 if status else 0} task" in done.output
+    assert f"Of 1 task {status} became slower" in done.output
     assert "over CasADi" in done.output

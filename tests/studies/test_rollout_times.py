@@ -77,10 +77,10 @@ def test_peers_follow_the_same_motion(arm: kg.System, states: ActuatedStates, pr
 
 def test_the_page(arm: kg.System) -> None:
     rows = [
-        Row("Pinocchio", "RK4 with aba", "native", (4000.0, 4400.0, 4200.0), 0.0),
-        Row("kanegen", "RK4, batch", "native", (100.0, 110.0, 105.0), 3e-16),
+        Row("Pinocchio", "RK4 with aba", "contracted", (4000.0, 4400.0, 4200.0), 0.0),
+        Row("kanegen", "RK4, batch", "contracted", (100.0, 110.0, 105.0), 3e-16),
     ]
     page = document("arm", arm, LENGTH, 64, 4, rows, ["a note"], ["SciPy: absent"], Machine.here())
-    assert "| Pinocchio | RK4 with aba | native | 4200 | 4000-4400 | 1.00 | 0e+00 |" in page
-    assert "| kanegen | RK4, batch | native | 105 | 100-110 | 1/40.0 | 3e-16 |" in page
+    assert "| Pinocchio | RK4 with aba | contracted | 4200 | 4000-4400 | 1.00 | 0e+00 |" in page
+    assert "| kanegen | RK4, batch | contracted | 105 | 100-110 | 1/40.0 | 3e-16 |" in page
     assert "- a note.\n- Left out: SciPy: absent\n" in page

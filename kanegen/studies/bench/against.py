@@ -1,8 +1,8 @@
 """A comparison beside a saved one of the same model: which tasks of kanegen became slower or faster.
 
 Where both runs timed a program that is not kanegen, its times stand in the same rounds as those of kanegen,
-so the ratios to it are compared: they hardly change with the load and the frequency of the machine. Otherwise
-the times are compared, which needs the same machine and compiler.
+so the ratios of the same rounds are compared: they hardly change with the load and the frequency of the
+machine. Otherwise the times are compared, which needs the same machine and compiler.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kanegen.errors import OptionError
-from kanegen.measure.timing import Change, change
+from kanegen.measure.timing import Change, Times, change
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON, Comparison, Entry
 from kanegen.studies.bench.record import Record
 from kanegen.studies.bench.results import of_peers
@@ -32,9 +32,9 @@ class Row:
         model: Name of the model.
         entry: The entry of the later run.
         peer: The program to which ratios are compared; "" where times are.
-        before: Median of the earlier run: a ratio to the peer, or nanoseconds.
+        before: Median of the rounds of the earlier run: of ratios to the peer, or of nanoseconds.
         now: The same of the later run.
-        change: The ratio of the later run to the earlier one.
+        change: `now` over `before`, with its interval.
     """
 
     model: str
@@ -61,6 +61,16 @@ class Verdict:
     def slower(self) -> tuple[Row, ...]:
         """The tasks that became slower."""
         return tuple(row for row in self.rows if row.change.is_slower)
+
+    @property
+    def faster(self) -> tuple[Row, ...]:
+        """The tasks that became faster."""
+        return tuple(row for row in self.rows if row.change.is_faster)
+
+    @property
+    def undecided(self) -> tuple[Row, ...]:
+        """The tasks whose rounds scatter too much to tell."""
+        return tuple(row for row in self.rows if row.change.is_undecided)
 
 
 def require_comparable(saved: Record, path: Path, model: str, rounds: int) -> None:
@@ -134,9 +144,10 @@ def _differences(new: Record, saved: Record) -> Iterator[str]:
 
 
 def _rows(later: Comparison, earlier: Comparison, is_same: bool) -> Iterator[Row]:
-    """Yield the tasks of kanegen that both comparisons timed."""
+    """Yield the tasks of kanegen that both comparisons timed, those of one quantity together."""
     before = {_key(entry): entry for entry in earlier.entries if entry.times.rounds}
-    for entry in (one for one in later.entries if one.participant in OWN and one.times.rounds):
+    own = (one for one in later.entries if one.participant in OWN and one.times.rounds)
+    for entry in sorted(own, key=lambda one: later.quantities.index(one.task.quantity)):
         if (old := before.get(_key(entry))) is None:
             continue
         peer = _peer(later, before, entry)
@@ -146,9 +157,9 @@ def _rows(later: Comparison, earlier: Comparison, is_same: bool) -> Iterator[Row
             shares = [entry.times.rounds, old.times.rounds]
         else:
             continue
-        medians = [sorted(values)[len(values) // 2] for values in shares]
+        now, past = (Times(tuple(values)).median for values in shares)
         name = "" if peer is None else peer.participant
-        yield Row(later.model, entry, name, medians[1], medians[0], change(shares[0], shares[1]))
+        yield Row(later.model, entry, name, past, now, change(shares[0], shares[1]))
 
 
 Key = tuple[str, str, tuple[str, ...], str, int]

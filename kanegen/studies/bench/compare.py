@@ -18,10 +18,10 @@ from kanegen.studies.bench.comparison import UNTIMED, Absence, BenchOptions, Com
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.registry import PEERS, participants
 from kanegen.studies.bench.results import Results, difference, of_peers
-from kanegen.studies.bench.settings import AS_SHIPPED, DEFAULT, NATIVE
+from kanegen.studies.bench.settings import AS_SHIPPED, CONTRACTED, DEFAULT
 from kanegen.studies.bench.states import limits_note, without_couplings, without_loads_and_parameters
 
-ON_ALL_CORES = (DEFAULT, NATIVE, AS_SHIPPED)
+ON_ALL_CORES = (DEFAULT, CONTRACTED, AS_SHIPPED)
 """The compiler settings of programs that are also timed on all cores."""
 
 
@@ -57,10 +57,9 @@ def compare(
         )
     independent, left_out = without_couplings(system)
     model, notes = without_loads_and_parameters(independent)
-    progress("building the programs; Pinocchio takes minutes the first time")
     with tempfile.TemporaryDirectory() as folder:
         states = states_away_from_gimbal_lock(model, options.states)
-        present, absences = participants(model, states, Path(folder), peers)
+        present, absences = participants(model, states, Path(folder), peers, progress)
         progress("comparing their results")
         entries, failed = evaluate(present, len(model.freedoms), options, progress)
         if cores > 1:

@@ -23,7 +23,7 @@ from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.pinocchio_peer import PINOCCHIO, participant_of_outputs
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.results import Task
-from kanegen.studies.bench.settings import NATIVE
+from kanegen.studies.bench.settings import CONTRACTED
 from kanegen.studies.bench.states import (
     limits_note,
     without_couplings,
@@ -143,10 +143,10 @@ def _participant(bench: OutputBench, problem: Problem, output: str) -> Participa
         "SIZE": str(rows * columns),
         "ARRAYS": str(_ARRAYS.get(arrays, 3)),
     }
-    flags = [*NATIVE.flags, "-I.", *(f"-D{name}={value}" for name, value in defined.items())]
+    flags = [*CONTRACTED.flags, "-I.", *(f"-D{name}={value}" for name, value in defined.items())]
     program = compiled(f"{KANEGEN}_{output}", {"output.c": driver("output.c"), **code(source)}, flags)
     tasks = (bench.task(output, "single"), bench.task(output, "batch", batch=True))
-    return Participant(KANEGEN, NATIVE, (str(program),), problem.states_file, tasks)
+    return Participant(KANEGEN, CONTRACTED, (str(program),), problem.states_file, tasks)
 
 
 def _deepest(system: System) -> int:

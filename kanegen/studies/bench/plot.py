@@ -14,7 +14,7 @@ from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
 from kanegen.studies.bench.peers.pinocchio_peer import PINOCCHIO
 from kanegen.studies.bench.peers.pydy_peer import PYDY
 from kanegen.studies.bench.results import QUANTITIES
-from kanegen.studies.bench.settings import NATIVE, Setting
+from kanegen.studies.bench.settings import CONTRACTED, Setting
 from kanegen.studies.bench.table import TITLES, ratio
 
 _BAR = 0.8
@@ -47,8 +47,8 @@ class Series:
 
 SERIES = (
     *(Series(name, name) for name in (PINOCCHIO, MUJOCO, CASADI, PYDY)),
-    Series(KANEGEN, KANEGEN, NATIVE),
-    Series(f"{KANEGEN}, batch", KANEGEN, NATIVE, batch=True),
+    Series(KANEGEN, KANEGEN, CONTRACTED),
+    Series(f"{KANEGEN}, batch", KANEGEN, CONTRACTED, batch=True),
 )
 
 

@@ -29,7 +29,7 @@ class Setting:
 
     @property
     def words(self) -> str:
-        """The name and the vector instructions, as in "native, AVX-512"."""
+        """The name and the vector instructions, as in "contracted, AVX-512"."""
         named = self.instructions and self.instructions not in self.name
         return f"{self.name}, {self.instructions}" if named else self.name
 
@@ -55,10 +55,11 @@ DEFAULT = _setting("default", *STRICT.flags_here)
 DEFAULT_AVX2 = _on_avx2("default, AVX2", STRICT.flags_here)
 """What `kanegen.build` takes on a processor with AVX2."""
 
-NATIVE = _setting("native", "-O3", "-march=native")
-"""The setting of every program: code for this processor, which may fuse a product and a sum."""
+CONTRACTED = _setting("contracted", "-O3", "-march=native")
+"""The setting of every program: code for this processor in which the compiler may contract a product and a
+sum to one instruction, which rounds once, so that the last bits of results change."""
 
-NATIVE_AVX2 = _on_avx2("native, AVX2", NATIVE.flags)
+CONTRACTED_AVX2 = _on_avx2("contracted, AVX2", CONTRACTED.flags)
 """The setting of every program on a processor with AVX2."""
 
 AS_SHIPPED = _setting("as shipped", "-O2")
@@ -68,15 +69,26 @@ itself."""
 COMPILED_BY_XLA = Setting("compiled by XLA", (), widest())
 """The setting of functions that JAX compiles for this processor while the program runs."""
 
-SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2, AS_SHIPPED, COMPILED_BY_XLA)
+SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, CONTRACTED, CONTRACTED_AVX2, AS_SHIPPED, COMPILED_BY_XLA)
 """All settings, in the order of the documentation."""
+
+MEANINGS = {
+    DEFAULT.name: "what `kanegen.build` takes here, with the bits of portable code",
+    DEFAULT_AVX2.name: "what it takes on a processor with AVX2",
+    PORTABLE.name: "code for every processor of the architecture, which `kanegen generate` writes",
+    CONTRACTED.name: "code for this processor that may fuse products and sums, which changes the last bits",
+    CONTRACTED_AVX2.name: "the same for processors with AVX2",
+    AS_SHIPPED.name: "a library in compiled form; the flags are those of the C that calls it",
+    COMPILED_BY_XLA.name: "functions that JAX compiles while the program runs",
+}
+"""What the compiler settings mean, by name."""
 
 
 def here(settings: Sequence[Setting]) -> list[Setting]:
     """Return those settings that make other code on this machine than the rest of `SETTINGS`.
 
-    Settings for AVX2 are left out where the processor has no wider instructions, since native code is that
-    for AVX2 there, and where it has none at all.
+    Settings for AVX2 are left out where the processor has no wider instructions, since code for this
+    processor is that for AVX2 there, and where it has none at all.
     """
-    narrower = (DEFAULT_AVX2, NATIVE_AVX2)
+    narrower = (DEFAULT_AVX2, CONTRACTED_AVX2)
     return [one for one in settings if one not in narrower or widest() == AVX512]

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import math
 
-from kanegen.measure.timing import speedup
-from kanegen.studies.bench.against import Row
+from kanegen.errors import counted
+from kanegen.measure.timing import (
+    CONFIDENCE,
+    CONFIDENCE_OF_CHANGES,
+    LEAST_FOR_INTERVAL,
+    SEEN,
+    speedup,
+)
+from kanegen.studies.bench.against import Row, Verdict
 from kanegen.studies.bench.comparison import Comparison, Entry
 from kanegen.studies.bench.results import (
     BY_DIFFERENCES,
@@ -17,6 +24,7 @@ from kanegen.studies.bench.results import (
     QUANTITIES,
     of_peers,
 )
+from kanegen.studies.bench.settings import MEANINGS
 
 TITLES = {
     EQUATIONS: "A + f",
@@ -97,22 +105,56 @@ def ratio(part: Entry | None, whole: Entry | None) -> str:
 
 def heads_of_changes() -> list[str]:
     """Return the heads of the columns of a table of changes."""
-    return ["model", "quantity", "method", "compiler", "compared", "before", "now", "change", ""]
+    return ["model", "quantity", "method", "compiler", "compared", "before", "now", "now/before", ""]
+
+
+def words_of_changes(verdict: Verdict) -> list[str]:
+    """Return lines that say what the columns of a table of changes are, and how many tasks changed."""
+    number = counted(len(verdict.rows), "task")
+    lines = [
+        "before, now: medians of the rounds, of ns or of ratios to the peer in the same round; now/before: "
+        f"the ratio of the two, with its {100 * CONFIDENCE_OF_CHANGES:g} % confidence interval.",
+        f"Of {number} {len(verdict.slower)} became slower, {len(verdict.faster)} became faster; undecided: "
+        f"{len(verdict.undecided)}.",
+    ]
+    if verdict.undecided:
+        lines.append(
+            f"Undecided: the interval reaches above {SEEN:g}, so these times do not rule out that the task "
+            f"became {100 * (SEEN - 1):.0f} % slower. Take more rounds or a quieter machine."
+        )
+    return lines
+
+
+def legend(comparison: Comparison, rounds: int) -> list[str]:
+    """Return lines that say what the columns of the tables of times are."""
+    standard = comparison.standard
+    lines = [
+        f"over {standard}: median ratio of the rounds to its fastest row of one state a call, which has 1.00"
+        + (f", with its {100 * CONFIDENCE:g} % confidence interval." if rounds >= LEAST_FOR_INTERVAL else ".")
+    ]
+    if rounds < LEAST_FOR_INTERVAL:
+        lines.append(f"There are no confidence intervals: they need at least {LEAST_FOR_INTERVAL} rounds.")
+    settings = {entry.setting.words: entry.setting for entry in comparison.entries}
+    for words, setting in settings.items():
+        flags = f" ({' '.join(setting.flags)})" if setting.flags else ""
+        lines.append(f"compiler {words}{flags}: {MEANINGS.get(setting.name, 'a setting of its own')}.")
+    return lines
 
 
 def row_of_change(row: Row) -> list[str]:
     """Return the row of one task in two runs."""
     entry, found = row.entry, row.change
     known = math.isfinite(found.high)
-    word = "slower" if found.is_slower else "faster" if found.is_faster else ""
+    named = (("slower", found.is_slower), ("faster", found.is_faster), ("undecided", found.is_undecided))
+    word = next((name for name, holds in named if holds), "")
     return [
         row.model,
         TITLES.get(entry.task.quantity, entry.task.quantity),
         _method(entry),
         f"{entry.participant}, {entry.setting.words}",
         f"over {row.peer}" if row.peer else "ns",
-        *(f"{value:.4f}" if row.peer else ns(value) for value in (row.before, row.now)),
-        f"{found.median:.3f} ({found.low:.3f}-{found.high:.3f})" if known else f"{found.median:.3f}",
+        *(f"{value:.4g}" if value < 1000 else ns(value) for value in (row.before, row.now)),
+        f"{found.ratio:.3f} ({found.low:.3f}-{found.high:.3f})" if known else f"{found.ratio:.3f}",
         word,
     ]
 

@@ -8,7 +8,15 @@ from kanegen.extras import module
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, SINGLE_STATE_TASKS, Builders, Problem
-from kanegen.studies.bench.settings import DEFAULT, DEFAULT_AVX2, NATIVE, NATIVE_AVX2, PORTABLE, Setting, here
+from kanegen.studies.bench.settings import (
+    CONTRACTED,
+    CONTRACTED_AVX2,
+    DEFAULT,
+    DEFAULT_AVX2,
+    PORTABLE,
+    Setting,
+    here,
+)
 
 CASADI = "CasADi"
 """Name of the participant."""
@@ -30,7 +38,7 @@ def _build(problem: Problem, derives: bool) -> list[Participant]:
     module("casadi")
     code = module("kanegen.studies.bench.peers.casadi_code")
     files = (code.derivatives if derives else code.functions)(problem.system)
-    settings = here((DEFAULT, DEFAULT_AVX2, *(() if derives else (PORTABLE,)), NATIVE, NATIVE_AVX2))
+    settings = here((DEFAULT, DEFAULT_AVX2, *(() if derives else (PORTABLE,)), CONTRACTED, CONTRACTED_AVX2))
     return [_participant(problem, files, setting, derives) for setting in settings]
 
 

@@ -12,7 +12,7 @@ from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.problem import SINGLE_STATE_TASKS, Builders, Problem
 from kanegen.studies.bench.peers.urdf_tree import urdf_tree
-from kanegen.studies.bench.settings import NATIVE, NATIVE_AVX2, Setting, here
+from kanegen.studies.bench.settings import CONTRACTED, CONTRACTED_AVX2, Setting, here
 from kanegen.studies.bench.states import write_states
 
 DYNIBO = "dynibo"
@@ -27,7 +27,7 @@ GRAVITY = 9.80665
 BUILD_SECONDS = 900
 """Time limit of cargo, which also fetches packages."""
 
-_PROCESSORS = {NATIVE.name: "native", NATIVE_AVX2.name: "x86-64-v3"}
+_PROCESSORS = {CONTRACTED.name: "native", CONTRACTED_AVX2.name: "x86-64-v3"}
 """The processors of compiler settings in the words of rustc."""
 
 _LIBRARY = "libpeer.a"
@@ -65,7 +65,7 @@ def _build(problem: Problem) -> list[Participant]:
     model = problem.write("dynibo.urdf", tree.text)
     states = write_states(tree.states(problem.states), problem.folder / "dynibo-states")
     found = []
-    for setting in here((NATIVE, NATIVE_AVX2)):
+    for setting in here((CONTRACTED, CONTRACTED_AVX2)):
         libraries = (str(_library(setting)), "-lpthread", "-ldl", "-lm")
         program = compiled("dynibo", {"dynibo.c": driver("dynibo.c")}, setting.flags, libraries)
         command = (str(program),)

@@ -19,10 +19,10 @@ from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, SINGLE_STATE_TASKS, Builders, Problem
 from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, LOWER, Task
 from kanegen.studies.bench.settings import (
+    CONTRACTED,
+    CONTRACTED_AVX2,
     DEFAULT,
     DEFAULT_AVX2,
-    NATIVE,
-    NATIVE_AVX2,
     PORTABLE,
     Setting,
     here,
@@ -31,7 +31,7 @@ from kanegen.studies.bench.settings import (
 OUTPUTS = {EQUATIONS: BOTH, DYNAMICS: ("forward_dynamics",)}
 """The outputs of the C that is also called from Python, by quantity."""
 
-SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, NATIVE, NATIVE_AVX2)
+SETTINGS = (DEFAULT, DEFAULT_AVX2, PORTABLE, CONTRACTED, CONTRACTED_AVX2)
 """The compiler settings in which kanegen's C is timed, as far as the processor has them."""
 
 _INVERSE = "inverse"

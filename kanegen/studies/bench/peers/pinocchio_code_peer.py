@@ -15,7 +15,7 @@ from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.joints import single_joints
 from kanegen.studies.bench.peers.pinocchio_peer import BOOST, joint_table
 from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, SINGLE_STATE_TASKS, Builders, Problem
-from kanegen.studies.bench.settings import NATIVE, NATIVE_AVX2, Setting, here
+from kanegen.studies.bench.settings import CONTRACTED, CONTRACTED_AVX2, Setting, here
 
 PINOCCHIO_CODE = "Pinocchio, CppADCodeGen"
 """Name of the participant."""
@@ -44,7 +44,7 @@ def builders(problem: Problem) -> Builders:
 def _build(problem: Problem, derives: bool) -> list[Participant]:
     """Build the participants of all compiler settings."""
     files = {"functions.c": driver("functions.c"), **_code(problem, derives)}
-    return [_participant(problem, files, setting, derives) for setting in here((NATIVE, NATIVE_AVX2))]
+    return [_participant(problem, files, setting, derives) for setting in here((CONTRACTED, CONTRACTED_AVX2))]
 
 
 def _participant(problem: Problem, files: dict[str, str], setting: Setting, derives: bool) -> Participant:

@@ -17,7 +17,7 @@ from kanegen.studies.bench.peers.free_flyer import FreeFlyer
 from kanegen.studies.bench.peers.joints import Joint, floating_joints, joints
 from kanegen.studies.bench.peers.problem import DERIVATIVES_TASKS, Builders, Problem
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, Task
-from kanegen.studies.bench.settings import NATIVE, NATIVE_AVX2, Setting, here
+from kanegen.studies.bench.settings import CONTRACTED, CONTRACTED_AVX2, Setting, here
 from kanegen.studies.bench.states import write_states
 
 PINOCCHIO = "Pinocchio"
@@ -42,7 +42,7 @@ BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by defa
 COMPILE_SECONDS = 1800
 """Time limit of the compiler, which takes three minutes on a quiet machine."""
 
-_SETTINGS = (NATIVE, NATIVE_AVX2)
+_SETTINGS = (CONTRACTED, CONTRACTED_AVX2)
 """The compiler settings in which Pinocchio is timed."""
 
 
@@ -101,8 +101,8 @@ def participant_of_outputs(problem: Problem, tasks: Sequence[Task], body: int) -
         str(body),
         *names,
     )
-    command = (str(_program(NATIVE, "pinocchio_outputs.cpp")),)
-    return Participant(PINOCCHIO, NATIVE, command, problem.states_file, tuple(tasks), arguments)
+    command = (str(_program(CONTRACTED, "pinocchio_outputs.cpp")),)
+    return Participant(PINOCCHIO, CONTRACTED, command, problem.states_file, tuple(tasks), arguments)
 
 
 def _program(setting: Setting, name: str = "pinocchio.cpp") -> Path:

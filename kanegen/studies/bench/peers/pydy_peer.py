@@ -11,7 +11,7 @@ from kanegen.library.native import commands
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.problem import SINGLE_STATE_TASKS, Builders, Problem
-from kanegen.studies.bench.settings import NATIVE
+from kanegen.studies.bench.settings import CONTRACTED
 
 PYDY = "SymPy + PyDy"
 """Name of the participant."""
@@ -35,8 +35,8 @@ def _build(problem: Problem) -> list[Participant]:
     if n > MOST_FREEDOMS:
         raise MissingError(f"not tried with {n} freedoms, which are more than {MOST_FREEDOMS}")
     texts = {"pydy.c": driver("pydy.c"), "evaluate.c": _code(problem)}
-    program = compiled("pydy", texts, NATIVE.flags)
-    return [Participant(PYDY, NATIVE, (str(program),), problem.states_file, SINGLE_STATE_TASKS[:1])]
+    program = compiled("pydy", texts, CONTRACTED.flags)
+    return [Participant(PYDY, CONTRACTED, (str(program),), problem.states_file, SINGLE_STATE_TASKS[:1])]
 
 
 def _code(problem: Problem) -> str:

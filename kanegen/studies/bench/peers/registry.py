@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from kanegen.choices import require_one
-from kanegen.errors import MissingError
+from kanegen.errors import MissingError, counted
 from kanegen.model.system import System
+from kanegen.options import Progress, quiet
 from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.comparison import Absence
 from kanegen.studies.bench.participant import Participant
@@ -39,7 +40,11 @@ PEERS: dict[str, Callable[[Problem], Builders]] = {
 
 
 def participants(
-    system: System, states: ActuatedStates, folder: Path, peers: Iterable[str] = PEERS
+    system: System,
+    states: ActuatedStates,
+    folder: Path,
+    peers: Iterable[str] = PEERS,
+    progress: Progress = quiet,
 ) -> tuple[list[Participant], list[Absence]]:
     """Build kanegen and some peers for one model, several at a time.
 
@@ -48,6 +53,7 @@ def participants(
         states: The states that all programs compute.
         folder: Folder for files of the drivers, which must exist as long as the drivers run.
         peers: Names among `PEERS`.
+        progress: Function that receives the name of each stage.
 
     Returns:
         The participants, Pinocchio in kanegen's coordinates first, and the programs that cannot take part.
@@ -62,11 +68,15 @@ def participants(
     order = {"pinocchio": pinocchio_peer.builders, "kanegen": kanegen_peer.builders, **PEERS}
     chosen = [builders for name, builders in order.items() if name in (*wanted, "kanegen")]
     named = [builder for builders in chosen for builder in builders(problem)]
+    progress(f"building {counted(len(named), 'program')}; Pinocchio takes minutes the first time")
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        futures = [(name, pool.submit(build)) for name, build in named]
+        futures = {pool.submit(build): name for name, build in named}
+        for number, future in enumerate(as_completed(futures), start=1):
+            word = "left out" if future.exception() else "built"
+            progress(f"{word}: {futures[future]}, {number} of {len(named)}")
     present: list[Participant] = []
     absences: list[Absence] = []
-    for name, future in futures:
+    for future, name in futures.items():
         try:
             present += future.result()
         except MissingError as error:
