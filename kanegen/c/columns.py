@@ -185,6 +185,7 @@ def _tables(solution: ColumnSolution) -> dict[str, object]:
         "order": _lines(solution.outward) if has_inverse else "",
         "units": len(solution.outward),
         "copied": _lines(copied.values()),
+        "partners": _lines(j for i in copied for one, j in solution.mirrored if one == i),
         "first_unit": solution.first_unit,
         "factors": solution.number_of_factors,
         "rows": solution.rows,

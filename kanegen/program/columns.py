@@ -106,7 +106,8 @@ class ColumnSolution:
     def table_entries(self) -> int:
         """Number of entries of the tables of rows and columns that stand in the code."""
         lists = ((*g.columns, *g.given, *g.reduced, *g.solved) for g in self.groups)
-        return self.number_of_factors + 3 * self.rows + sum(4 + len(one) for one in lists)
+        lengths = sum(4 + len(one) for one in lists)
+        return self.number_of_factors + 3 * self.rows + lengths + len(self.mirrored)
 
     @cached_property
     def mirrored(self) -> tuple[tuple[int, int], ...]:

@@ -156,7 +156,7 @@ class CoriolisAssembly:
             one: The component.
             body: The composite body that it turns, in its own frame.
         """
-        return col.across(one.axis, self.multiplied_motion(body.motion))
+        return col.across(one.axis, self.multiplied_motion(body.motion, f"{joint.body}"))
 
     def _below_turn(self, carried: Carried, joint: JointMotion, step: Step, motion: FrameMotion) -> Carried:
         """Record the entries of an angle, begin its column, and pass everything through its turn.
@@ -199,7 +199,8 @@ class CoriolisAssembly:
         """
         for col in seen.columns:
             self._record(step.shares, col.places, col.along(step.axis))
-            across = col.across(step.axis, self.multiplied_motion(seen.body.motion))
+            label = f"{step.frame}{'' if is_below else 'u'}"
+            across = col.across(step.axis, self.multiplied_motion(seen.body.motion, label))
             self._record(col.places, step.shares, across)
 
     def begun_rotation(self, joint: JointMotion, step: Step, body: MovingBody, second: Rows) -> Column:
@@ -252,10 +253,15 @@ class CoriolisAssembly:
         label = f"{joint.body}t{one.axis + 1}" if one.is_coupled else f"{joint.body}s{one.number}"
         return self._multiplied(translation_column(one, label, body, self.tree.definitions))
 
-    def multiplied_motion(self, motion: FrameMotion) -> FrameMotion:
-        """Return a motion of a frame, multiplied as [C] is."""
+    def multiplied_motion(self, motion: FrameMotion, frame: str) -> FrameMotion:
+        """Return the motion of a frame, multiplied as [C] is.
+
+        Args:
+            motion: The motion.
+            frame: Suffix of the names of quantities in the frame.
+        """
         omega, velocity = (
-            self.tree.definitions.vector(f"{name}m", scale(self.multiple, vector))
+            self.tree.definitions.vector(f"{name}m_{frame}", scale(self.multiple, vector))
             for name, vector in (("w", motion.omega), ("v", motion.velocity))
         )
         return FrameMotion(omega, velocity)

@@ -127,7 +127,7 @@ class SlopeAssembly(CoriolisAssembly):
             seen: What the body carries, as this frame sees it.
             columns: The columns of these freedoms.
         """
-        passing = cross(axis.rate, self.multiplied_motion(seen.body.motion).velocity)
+        passing = cross(axis.rate, self.multiplied_motion(seen.body.motion, axis.label).velocity)
         passing = add(passing, cross(axis.direction, frame.acceleration))
         passing = self.tree.definitions.vector(f"ux_{axis.label}", passing)
         for col in columns:

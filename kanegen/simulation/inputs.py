@@ -169,7 +169,7 @@ class Inputs:
             OptionError: If its function returns another shape, or something that is no real number.
         """
         assert self.prescribed is not None
-        found, shape = np.asarray(self.prescribed(time)), self.shape("prescribed")
+        found, shape = np.array(self.prescribed(time)), self.shape("prescribed")
         if found.dtype.kind not in "iuf" or found.shape != shape:
             raise OptionError(
                 f"prescribed: at t = {time:.9g} s it returned {found.dtype} of shape {found.shape}; expected "

@@ -124,7 +124,7 @@ class TimeFunction:
         Raises:
             OptionError: If there is another number of them, or one is no finite real number.
         """
-        found = np.asarray(self.function(time))
+        found = np.array(self.function(time))
         if found.dtype.kind not in "iuf" or found.shape not in (
             (self.count,),
             () if self.count == 1 else (3,),

@@ -120,3 +120,22 @@ def test_code_is_linear_in_the_number_of_pairs_of_freedoms(
     source = kg.generate(models.revolute_chain(links), (NAME,), batches=False)
     lines = len(source.files[f"chain{links}.c"].splitlines())
     assert lines < 125 * links * (links + 1) / 2
+
+
+def test_trees_that_do_not_touch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two arms on the ground, whose rows stand among each other in the order of elimination."""
+    free = np.eye(6, dtype=bool)[[0, 1, 2, 0, 1, 2]]
+    system = kg.System.from_arrays(
+        connection=[0, 1, 2, 0, 4, 5],
+        mass=np.ones(6),
+        inertia=np.tile(np.diag([1.0, 1.2, 1.4]), (6, 1, 1)),
+        mass_center=np.full((6, 3), 0.1),
+        joint_position=np.full((6, 3), 0.3),
+        free=free,
+        name="two_arms",
+    )
+    monkeypatch.setattr(solution_columns, "LOOPED", 0)
+    library = kg.build(system, (NAME, "mass_matrix"), tier=Variant(machine="portable"))
+    x, y, tau = np.random.default_rng(2).uniform(-1, 1, (3, 6))
+    found = library.forward_dynamics_derivatives(x, y, tau)[:, library.derivative_columns(NAME)["tau"]]
+    close(found, np.linalg.inv(library.mass_matrix(x)), 1e-12)

@@ -20,6 +20,9 @@ from tests.support.systems import flags, random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 QUICK = ("-O0", "-ffp-contract=off")
+SEPARATE = "-ffp-contract=off -fno-tree-slp-vectorize"
+"""Flags with which products are rounded by themselves; gcc 12 fuses some in vectors in spite of the first."""
+
 ALL_DOUBLE_DOUBLE = Variant(precision="double-double", storage="double-double")
 ROUNDED = Variant(precision="double-double")
 
@@ -241,7 +244,7 @@ def test_every_compiler_gives_the_same_bits(bodies):
     for compiler in C.values():
         for level in ("-O0", "-O2", "-O3 -march=native"):
             library = kg.build(
-                system, OUTPUTS, " ".join(compiler), f"{level} -ffp-contract=off", tier=ALL_DOUBLE_DOUBLE
+                system, OUTPUTS, " ".join(compiler), f"{level} {SEPARATE}", tier=ALL_DOUBLE_DOUBLE
             )
             found.add(b"".join(value.tobytes() for value in library.evaluate(x, y)))
     assert len(found) == 1

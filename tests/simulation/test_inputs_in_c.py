@@ -138,3 +138,19 @@ def test_a_push_of_a_function_of_the_time_is_not_missed() -> None:
 def test_functions_that_return_something_else_are_refused(inputs: Any, message: str) -> None:
     with pytest.raises(kg.OptionError, match=message):
         kg.simulate(oscillator(), None, None, 1.0, step=0.1, inputs=inputs)
+
+
+def test_a_function_may_return_the_same_array_at_every_time() -> None:
+    """Numbers are copied when it returns, because the next call overwrites them."""
+    library, _ = shaken()
+    buffer = np.zeros((3, 1))
+
+    def motion(t: float) -> np.ndarray:
+        buffer[:, 0] = 0.1 * np.sin(5 * t), 0.5 * np.cos(5 * t), -2.5 * np.sin(5 * t)
+        return buffer
+
+    reused, fresh = (
+        kg.simulate(library, [0.1, 0.2], [0.0, 0.0], 0.5, prescribed=function, step=0.05).x
+        for function in (motion, lambda t: motion(t).copy())
+    )
+    assert (reused == fresh).all() and np.ptp(fresh) > 0.1
