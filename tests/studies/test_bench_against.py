@@ -84,6 +84,18 @@ def first(found: dict[str, Any]) -> dict[str, Any]:
             "comparisons[0].entries[0].nanoseconds is no list of positive numbers.",
         ),
         (
+            lambda c: first(c).update(nanoseconds=[1.0]),
+            "comparisons[0] has entries with times of other than 9 rounds.",
+        ),
+        (
+            lambda c: c["options"].update(seconds=10**400),
+            "options.seconds is beyond the numbers of a computer.",
+        ),
+        (
+            lambda c: first(c).update(nanoseconds=[10**400]),
+            "comparisons[0].entries[0].nanoseconds is no list of positive numbers.",
+        ),
+        (
             lambda c: first(c).update(nanoseconds=[float("nan")]),
             "comparisons[0].entries[0].nanoseconds is no list of positive numbers.",
         ),

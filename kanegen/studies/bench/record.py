@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -132,7 +133,10 @@ class _Object:
         if not isinstance(found, accepted) or (isinstance(found, bool) and kind is not bool):
             name = {"str": "text", "dict": "object", "list": "list", "bool": "truth value"}.get(kind.__name__)
             raise _DamagedError(f"{self._at(key)} is no {name or 'number'}.")
-        return kind(found)  # type: ignore[call-arg]
+        try:
+            return kind(found)  # type: ignore[call-arg]
+        except OverflowError:
+            raise _DamagedError(f"{self._at(key)} is beyond the numbers of a computer.") from None
 
     def texts(self, key: str) -> tuple[str, ...]:
         """Return the value of a key that is a list of texts."""
@@ -145,7 +149,7 @@ class _Object:
         """Return the value of a key that is a list of positive, finite numbers."""
         found = self.value(key, list)
         numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in found)
-        if not numbers or not all(0 < one < np.inf for one in found):
+        if not numbers or not all(0 < one <= sys.float_info.max for one in found):
             raise _DamagedError(f"{self._at(key)} is no list of positive numbers.")
         return tuple(map(float, found))
 
@@ -172,12 +176,14 @@ def _record(content: _Object) -> Record:
     machine, options = content.object("machine"), content.object("options")
     names = ("processor", "system", "libc", "compiler", "versions")
     comparisons = tuple(_comparison(one) for one in content.objects("comparisons"))
+    rounds = options.value("rounds", int)
+    for place, one in enumerate(comparisons):
+        if any(len(entry.times.rounds) not in (0, rounds) for entry in one.entries):
+            raise _DamagedError(f"comparisons[{place}] has entries with times of other than {rounds} rounds.")
     return Record(
         content.value("kanegen", str),
         Machine(*(machine.value(name, str) for name in names)),
-        BenchOptions(
-            options.value("states", int), options.value("rounds", int), options.value("seconds", float)
-        ),
+        BenchOptions(options.value("states", int), rounds, options.value("seconds", float)),
         comparisons,
     )
 
