@@ -235,6 +235,9 @@ def build(
 ) -> libraries.Library:
     """Generate C as `generate` does, compile it and load it.
 
+    `precision` is the arithmetic, "double", "float" or another; `tier` is "strict", "fast", "exact" or a
+    `Variant` with all choices between speed and accuracy, such as `tier=kg.Variant(machine="portable")` for
+    code that runs on older processors, too; by default it is made for the processor of this machine.
     `compiler` is the command of a C compiler, by default the first that is found; `flags` are its flags, by
     default optimised with IEEE semantics kept. With `threads`, OpenMP shares batches of 1024 states and more
     among threads; see `library.load`. `on_status` says what the library does where a result is missing, not
@@ -252,6 +255,7 @@ def build(
     Example:
         library = kg.build(kg.load("models/double_pendulum.toml"))
         A = library.mass_matrix([0.1, 0.2])
+        shipped = kg.build(system, tier=kg.Variant(machine="multiversioned"), precision="float")
     """
     with long_work(str(getattr(system, "name", system)), progress) as stage:
         source = generate(

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from benchmarks.cuda import cases
+from benchmarks.cuda import __main__, cases, nvrtc
 from benchmarks.cuda.cases import Case
 from tests.support.cuda import SHIM, build
 
@@ -38,6 +38,17 @@ def measured(folder, *arguments, **environment):
     environment = {**os.environ, **environment}
     result = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment, check=False)
     return result.returncode, result.stdout + result.stderr
+
+
+def test_a_machine_without_nvrtc_gets_one_line(monkeypatch, capsys, tmp_path):
+    nvrtc.nvrtc_library.cache_clear()
+    monkeypatch.setattr(nvrtc.util, "find_spec", lambda name: None)
+    monkeypatch.setenv("CUDA_HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "argv", ["benchmarks.cuda", str(tmp_path / "cuda")])
+    assert __main__.main() == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "pip install nvidia-cuda-nvrtc-cu12" in line
+    assert not (tmp_path / "cuda").exists()
 
 
 @pytest.mark.slow

@@ -15,7 +15,8 @@ import sys
 from pathlib import Path
 
 from benchmarks.cuda.cases import OUTPUT, Case, write
-from benchmarks.cuda.nvrtc import compile_cuda
+from benchmarks.cuda.nvrtc import compile_cuda, nvrtc_library
+from kanegen.errors import MissingError
 
 
 def main() -> int:
@@ -25,6 +26,11 @@ def main() -> int:
     parser.add_argument("--output", default=OUTPUT, help="the output whose registers are printed")
     parser.add_argument("folder", nargs="?", type=Path, default=Path("build/cuda"))
     options = parser.parse_args()
+    try:
+        nvrtc_library()
+    except MissingError as error:
+        print(error, file=sys.stderr)
+        return 2
     if options.registers is not None:
         _print_registers(options.registers or ["panda", "go2", "hyq", "talos_reduced"], options.output)
         return 0

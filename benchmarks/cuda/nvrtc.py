@@ -11,13 +11,15 @@ from functools import cache
 from importlib import util
 from pathlib import Path
 
+from kanegen.errors import MissingError
+
 
 @cache
-def _library() -> ctypes.CDLL:
+def nvrtc_library() -> ctypes.CDLL:
     """Return the loaded library, of the package or of a CUDA toolkit.
 
     Raises:
-        FileNotFoundError: If there is none.
+        MissingError: If there is none.
     """
     found = util.find_spec("nvidia")
     folders = (
@@ -29,7 +31,10 @@ def _library() -> ctypes.CDLL:
     for folder in (*folders, toolkit / "lib64", toolkit / "targets" / "x86_64-linux" / "lib"):
         for path in sorted(folder.glob("libnvrtc.so*")):
             return ctypes.CDLL(str(path))
-    raise FileNotFoundError("NVRTC is not installed: pip install nvidia-cuda-nvrtc-cu12")
+    raise MissingError(
+        "NVRTC, NVIDIA's compiler, is not installed. Run: pip install nvidia-cuda-nvrtc-cu12, or set "
+        "$CUDA_HOME to the folder of a CUDA toolkit."
+    )
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,7 @@ def compile_cuda(files: Mapping[str, str], name: str, architecture: str, *option
     Raises:
         ValueError: If the compiler refuses the program; the message is its log.
     """
-    nvrtc = _library()
+    nvrtc = nvrtc_library()
     headers = {one: text for one, text in files.items() if one != name}
     texts = (ctypes.c_char_p * len(headers))(*(text.encode() for text in headers.values()))
     names = (ctypes.c_char_p * len(headers))(*(one.encode() for one in headers))

@@ -16,6 +16,10 @@ class Products(CompiledModel):
     Products cost a few times the output that is differentiated, whatever the number of variables. The K
     variables are {x}, {y}, {ydot} or {tau}, then force, torque, point_force, point_moment, t, prescribed and
     the run-time parameters, of which a system has some; `derivative_columns` gives their places.
+
+    Arguments of `_vjp` stand in the order x, y, weights, tau: what a call needs comes before what it may
+    leave out. Both `weights` and `tau` have n elements, so that an exchange raises no error; `tau=tau`
+    prevents one.
     """
 
     def forcing_jvp(
@@ -275,6 +279,9 @@ class Products(CompiledModel):
     ) -> Floats:
         """Return the gradient of a weighted sum of {ydot}: the weights times the Jacobian.
 
+        `weights` stand before `tau`, since `tau` may be left out. Both have n elements, so that an exchange
+        raises no error; write `tau=tau`.
+
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
@@ -295,7 +302,7 @@ class Products(CompiledModel):
             StatusError: As `forward_dynamics_derivatives`.
 
         Example:
-            gradient = library.forward_dynamics_vjp(x, y, weights)
+            gradient = library.forward_dynamics_vjp(x, y, weights, tau=tau)
             by_x = gradient[library.derivative_columns("forward_dynamics_vjp")["x"]]
         """
         return self._run("forward_dynamics_vjp", (x, y, weights, tau, force, torque), inputs)[0]

@@ -246,3 +246,14 @@ def test_the_page(tmp_path):
     assert (error, status) == ("0", "0")
     assert np.float32(number) == expected[0]
     assert not compile_cuda({**source.files, "euler.cu": page["euler.cu"]}, "euler.cu", "sm_90").messages
+
+
+def test_parameters_on_the_page(tmp_path):
+    """The program that prepares one set of parameters for all states, on the processor."""
+    system = kg.load(MODELS / "double_pendulum.toml")
+    kg.generate(system, ["forward_dynamics"], target="cuda").write(tmp_path)
+    (tmp_path / "prepare.cu").write_text(files("embedding/cuda")["prepare.cu"])
+    build(tmp_path, "prepare", "prepare.cu", "double_pendulum.cu")
+    found = [float(number) for number in run("./prepare", folder=tmp_path).split()]
+    library = kg.build(system, ["forward_dynamics"])
+    assert found == library.forward_dynamics([0.3, -0.2], [0, 0], parameters={"m1": 2.0}).tolist()
