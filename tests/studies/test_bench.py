@@ -19,7 +19,9 @@ import kanegen as kg
 from kanegen import extras as optional
 from kanegen.cli.app import app
 from kanegen.errors import MissingError
+from kanegen.library.native import compilers, selftest
 from kanegen.measure.timing import Times
+from kanegen.program.semantics import OWN_ROUNDING
 from kanegen.reference.states import ActuatedStates, states_away_from_gimbal_lock
 from kanegen.studies import bench
 from kanegen.studies.bench import building, plot, table
@@ -44,6 +46,7 @@ from kanegen.studies.bench.settings import (
     CONTRACTED_AVX2,
     DEFAULT,
     DEFAULT_AVX2,
+    PORTABLE,
     Setting,
     here,
 )
@@ -319,6 +322,17 @@ def test_settings_name_the_vector_instructions(monkeypatch: pytest.MonkeyPatch) 
     assert here((DEFAULT, DEFAULT_AVX2)) == [DEFAULT, DEFAULT_AVX2]
     assert "-march=x86-64-v3" in DEFAULT_AVX2.flags
     assert "-march=x86-64-v3" in CONTRACTED_AVX2.flags
+
+
+def test_the_default_setting_has_the_flags_of_a_library_that_is_built_here() -> None:
+    """gcc 12.2 for a processor that fuses products and sums needs one flag more to keep the bits."""
+    found = compilers.find()
+    default, portable = here((DEFAULT, PORTABLE))
+    own = selftest.sound_flags(found, kg.generate(TWO_LINKS))
+    assert default.flags[1:] == own[1:], "tests build libraries at another level of optimisation"
+    for setting in (default, portable):
+        assert OWN_ROUNDING in selftest.properties(found, setting.flags)
+    assert (default, portable) == (DEFAULT, PORTABLE), "their names make them the same"
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:

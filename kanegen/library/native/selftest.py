@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import shlex
+from collections.abc import Set
 from contextlib import suppress
 from pathlib import Path
 
@@ -45,17 +46,23 @@ def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]
     wanted = set(guaranteed_properties(source.variant.semantics))
     if any("(float)" in text for file, text in source.code.items() if file.endswith((".c", "_version.h"))):
         wanted.add(NARROWING)
-    missing = wanted - properties(compiler, flags)
-    remedies = tuple(dict.fromkeys(flag for name in sorted(missing) for flag in REMEDIES.get(name, ())))
-    if remedies:
-        flags += remedies
-        missing = wanted - properties(compiler, flags)
-    if missing:
+    flags = with_remedies(compiler, flags, wanted)
+    if missing := wanted - properties(compiler, flags):
         raise BuildError(
             f"{shlex.join(compiler.command)} with {shlex.join(flags)} does not keep: "
             f"{', '.join(sorted(missing))}. Name another compiler, or semantics that do without."
         )
     return flags
+
+
+def with_remedies(compiler: compilers.Compiler, flags: tuple[str, ...], wanted: Set[str]) -> tuple[str, ...]:
+    """Return `flags` with remedies for those properties `wanted` that `compiler` gives up otherwise.
+
+    Raises:
+        BuildError: If the compiler fails, or its program does not run.
+    """
+    missing = wanted - properties(compiler, flags)
+    return (*flags, *dict.fromkeys(flag for name in sorted(missing) for flag in REMEDIES.get(name, ())))
 
 
 def _compiles(compiler: compilers.Compiler, flags: tuple[str, ...]) -> bool:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from kanegen.library.native import compilers, selftest
 from kanegen.measure.machine import AVX2, AVX512, baseline, widest
 from kanegen.options import STRICT
+from kanegen.program.semantics import guaranteed_properties
 
 _MARCH_AVX2 = "-march=x86-64-v3"
 """Flag of gcc and clang for all x86-64 processors with AVX2, without AVX-512."""
@@ -14,7 +16,7 @@ _MARCH_AVX2 = "-march=x86-64-v3"
 
 @dataclass(frozen=True)
 class Setting:
-    """Compiler flags and the name under which they are reported.
+    """Compiler flags and the name under which they are reported; settings of one name are the same.
 
     Attributes:
         name: Name of the setting.
@@ -24,7 +26,7 @@ class Setting:
     """
 
     name: str
-    flags: tuple[str, ...]
+    flags: tuple[str, ...] = field(compare=False)
     instructions: str = field(default="", compare=False)
 
     @property
@@ -88,7 +90,18 @@ def here(settings: Sequence[Setting]) -> list[Setting]:
     """Return those settings that make other code on this machine than the rest of `SETTINGS`.
 
     Settings for AVX2 are left out where the processor has no wider instructions, since code for this
-    processor is that for AVX2 there, and where it has none at all.
+    processor is that for AVX2 there, and where it has none at all. Settings with the bits of portable code
+    have the flags that the compiler needs for them, as in `kanegen.build`.
+
+    Raises:
+        BuildError: If there is no C compiler, or it fails.
     """
     narrower = (DEFAULT_AVX2, CONTRACTED_AVX2)
-    return [one for one in settings if one not in narrower or widest() == AVX512]
+    chosen = [one for one in settings if one not in narrower or widest() == AVX512]
+    return [_keeping_bits(one) if one in (DEFAULT, DEFAULT_AVX2, PORTABLE) else one for one in chosen]
+
+
+def _keeping_bits(setting: Setting) -> Setting:
+    """Return a setting with the flags that the compiler of this machine needs for strict arithmetic."""
+    strict = frozenset(guaranteed_properties(STRICT.semantics))
+    return replace(setting, flags=selftest.with_remedies(compilers.find(), setting.flags, strict))
