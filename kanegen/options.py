@@ -136,16 +136,16 @@ class Variant:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Flags of gcc and clang for code that goes elsewhere: semantics, machine and optimisation."""
+        """Flags for code that goes elsewhere, for every gcc and clang: semantics, machine, optimisation."""
         machine = "portable" if self.machine == AUTO else self.machine
         return rules.compiler_flags(self.semantics, machine, self.optimisation)
 
     @property
     def flags_here(self) -> tuple[str, ...]:
-        """Flags of gcc and clang for a library that is loaded on this machine only."""
-        if self.machine == AUTO and self.is_strict:
-            return rules.compiler_flags(self.semantics, "native", self.optimisation)
-        return self.flags
+        """Flags of gcc and clang for a library that is loaded on this machine only, by a tested compiler."""
+        is_native = self.machine == "native" or (self.machine == AUTO and self.is_strict)
+        machine = "native" if is_native else "portable"
+        return rules.compiler_flags(self.semantics, machine, self.optimisation, is_tested=True)
 
     @property
     def flushes(self) -> bool:

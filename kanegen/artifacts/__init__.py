@@ -14,7 +14,7 @@ from dataclasses import replace
 from kanegen.artifacts import fmi
 from kanegen.artifacts.arduino import arduino
 from kanegen.artifacts.arduino import refusal as arduino_refusal
-from kanegen.artifacts.artifact import ELEMENTS, WHOLE, Artifact, lacking, motion
+from kanegen.artifacts.artifact import ELEMENTS, WHOLE, Artifact, lacking, motion, not_in_c
 from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
@@ -45,13 +45,9 @@ from kanegen.recursion.outputs import EQUATIONS, INTEGRATORS, OUTPUTS
 __all__ = ["ARTIFACTS", "Artifact", "chosen", "outputs_with", "places", "variant_with", "with_artifacts"]
 
 
-def _not_in_c(source: Source) -> str:
-    return "" if source.target == "c99" else f"it is for C, not for {source.target}"
-
-
 def _not_described(source: Source) -> str:
     """Return why a source cannot have a README, "" if it can."""
-    return "" if source.target == "cuda" else _not_in_c(source)
+    return "" if source.target == "cuda" else not_in_c(source)
 
 
 ARTIFACTS: dict[str, Artifact] = {
@@ -61,7 +57,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "example",
             "A program that calls every function once.",
             example,
-            _not_in_c,
+            not_in_c,
             is_default=True,
             places=("main.c",),
         ),
@@ -69,11 +65,11 @@ ARTIFACTS: dict[str, Artifact] = {
             "cmake",
             "Builds and installs the code as a library.",
             cmake,
-            _not_in_c,
+            not_in_c,
             is_default=True,
             places=("CMakeLists.txt",),
         ),
-        Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, _not_in_c, is_default=True),
+        Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, not_in_c, is_default=True),
         Artifact(
             "readme",
             "Describes files, arrays and costs.",
@@ -86,7 +82,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "description",
             "Names the elements of arrays, and tells of them.",
             description,
-            _not_in_c,
+            not_in_c,
             next_step="Include `{model}_description.h`; `{model}_describe()` returns names, units and "
             "limits as JSON",
             page="docs/embedding/description.md",
@@ -95,7 +91,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "cpp",
             "A class in C++17, in headers alone.",
             cpp,
-            _not_in_c,
+            not_in_c,
             usual_outputs=motion,
             next_step="Include `{model}.hpp` and compile `{model}.c` as C; the methods of "
             "`kanegen::{model}::model` are the functions",
@@ -186,7 +182,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "self-test",
             "Says what a compiler does to IEEE arithmetic.",
             selftest,
-            _not_in_c,
+            not_in_c,
             places=("selftest.c",),
         ),
         Artifact(

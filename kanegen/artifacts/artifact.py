@@ -20,6 +20,13 @@ def _never(source: Source) -> str:
     return ""
 
 
+def not_in_c(source: Source) -> str:
+    """Return why a source in another language than C cannot have an artifact for C, "" for one in C."""
+    if source.target == "c99":
+        return ""
+    return f"it is for C, not for {source.target}. Leave it out, or leave out the target {source.target!r}."
+
+
 @dataclass(frozen=True)
 class Artifact:
     """Optional files beside generated code, for one kind of user.

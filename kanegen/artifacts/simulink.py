@@ -6,6 +6,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import Any
 
+from kanegen.artifacts.artifact import not_in_c
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, WIDTH, wrap
@@ -67,8 +68,8 @@ def simulink(source: Source) -> dict[str, str]:
 
 def refusal(source: Source) -> str:
     """Return why there are no blocks of `source`, "" if there are."""
-    if source.target != "c99":
-        return f"it is for C, not for {source.target}."
+    if why := not_in_c(source):
+        return why
     arrays = formats(source.variant)
     foreign = [one.name for one in (arrays.storage, arrays.parameters) if one.c_type not in TYPES]
     if foreign:

@@ -219,7 +219,9 @@ Precision = Annotated[
     typer.Option(
         "--precision",
         metavar="NAME",
-        help="Arithmetic of the C: double, float, long double, double-double.",
+        help="Arithmetic of the C, by default that of the tier, which is double for strict; float is single "
+        "precision: double, float, long double, double-double.",
+        show_default=False,
     ),
 ]
 Storage = Annotated[
@@ -245,7 +247,9 @@ Machine = Annotated[
         metavar="NAME",
         help="Processors that the C is for: portable, all of the architecture; multiversioned, all of it, by "
         "versions of every function for SSE2, AVX2 and AVX-512, of which a program runs the widest it can; "
-        "native, those like this one, with flags in the build files.",
+        "native, those like this one, with flags in the build files; auto, portable where the C is written "
+        "and native where it is compiled and run here. By default that of the tier, auto for strict.",
+        show_default=False,
     ),
 ]
 Tier = Annotated[

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kanegen.choices import require_one
-from kanegen.errors import ModelError, OptionError
+from kanegen.choices import did_you_mean, is_among, require_one
+from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.program.constants import DOUBLE_CONSTANTS, MULTIPRECISION, WIDE_CONSTANTS, Constants
 
 
@@ -223,12 +223,20 @@ PRECISIONS = {precision.name: precision for precision in (DOUBLE, FLOAT, LONG_DO
 """All precisions, by the name of the option."""
 
 
+_SINGLE = "single"
+"""The name that users give single precision, after the tier."""
+
+
 def precision_named(name: str) -> Precision:
     """Return the precision of that name.
 
     Raises:
         OptionError: If there is no precision of that name.
     """
+    if not is_among(name, PRECISIONS):
+        proposed = did_you_mean(name, (_SINGLE, *PRECISIONS))
+        if proposed == f"Did you mean {quoted(_SINGLE)}?":
+            raise OptionError(f"unknown precision {quoted(name)}. Single precision is {quoted(FLOAT.name)}.")
     require_one("precision", name, PRECISIONS)
     return PRECISIONS[name]
 

@@ -90,6 +90,12 @@ MULTIVERSIONED = "multiversioned"
 MACHINES: dict[str, tuple[str, ...]] = {"portable": (), MULTIVERSIONED: (), "native": ("-march=native",)}
 """Flags for the machines on which the code may run: all of the architecture, or those like this one."""
 
+UNFUSED = "-fno-tree-slp-vectorize"
+"""The flag with which gcc 12.1 and 12.2 keep products and sums apart in native code, too.
+
+There, with -ffp-contract=off, they still fuse products with a difference and a sum that stand side by side.
+"""
+
 OPTIMISATIONS = (0, 1, 2, 3)
 """Levels of optimisation of a compiler; with strict semantics no bit of a result depends on them."""
 
@@ -109,11 +115,22 @@ def checked_semantics(semantics: Iterable[str] | str) -> tuple[str, ...]:
     return found
 
 
-def compiler_flags(semantics: tuple[str, ...], machine: str, optimisation: int) -> tuple[str, ...]:
-    """Return the flags of gcc and clang for checked names of semantics, a machine and a level."""
+def compiler_flags(
+    semantics: tuple[str, ...], machine: str, optimisation: int, is_tested: bool = False
+) -> tuple[str, ...]:
+    """Return the flags of gcc and clang for checked names of semantics, a machine and a level.
+
+    Args:
+        semantics: Names of `SEMANTICS`.
+        machine: Name of one of `MACHINES`.
+        optimisation: One of `OPTIMISATIONS`.
+        is_tested: Whether the compiler is known, and tested for fusing products and sums unasked; if not,
+            `UNFUSED` keeps every version of it from that.
+    """
     named = [flag for name in semantics for flag in SEMANTICS[name].flags]
     contract = () if CONTRACTED in semantics else ("-ffp-contract=off",)
-    return tuple(dict.fromkeys((f"-O{optimisation}", *MACHINES[machine], *contract, *named)))
+    unfused = (UNFUSED,) if contract and MACHINES[machine] and not is_tested else ()
+    return tuple(dict.fromkeys((f"-O{optimisation}", *MACHINES[machine], *contract, *unfused, *named)))
 
 
 def guaranteed_properties(semantics: tuple[str, ...]) -> tuple[str, ...]:

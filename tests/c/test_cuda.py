@@ -1,6 +1,7 @@
 """The target CUDA: bits of the kernels on the processor, NVIDIA's compiler, statuses, and what is refused."""
 
 import ctypes
+import re
 import subprocess
 
 import numpy as np
@@ -214,14 +215,27 @@ def test_the_compiler_of_nvidia_and_random_trees(seed, architecture):
         ({"precision": "long double"}, "precision 'long double' is not for GPUs"),
         ({"tier": Variant(storage="long double")}, "storage 'long double' is not for GPUs"),
         ({"tier": "fast"}, "are flags of compilers for processors. Generate strict code"),
+        ({"tier": Variant(machine="native")}, "machine 'native' is a choice of processors, not of GPUs"),
+        ({"tier": Variant(machine="multiversioned")}, "machine 'multiversioned' is a choice of processors"),
         ({"batches": False}, "its functions are for many states"),
         ({"outputs": ["rollout_rk4"]}, "it has no rollout_rk4. Make the steps in a kernel"),
-        ({"artifacts": ["rust"]}, "for C, not for cuda|the Rust"),
+        ({"artifacts": ["rust"]}, r"rust: it is for C, not for cuda\. Leave it out, or leave out the target"),
     ],
 )
 def test_what_is_refused(choices, message):
     with pytest.raises(OptionError, match=message):
         kg.generate(kg.load(MODELS / "planar_pendulum.toml"), target="cuda", **choices)
+
+
+@pytest.mark.parametrize(("sincos", "has_same_bits"), [("shared", True), ("libm", False)])
+def test_files_promise_the_bits_of_the_c_only_where_sines_have_them(sincos, has_same_bits):
+    made = kg.generate(
+        kg.load(MODELS / "planar_pendulum.toml"), ["forcing"], target="cuda", tier=Variant(sincos=sincos)
+    ).files
+    for name in ("planar_pendulum_cuda.h", "planar_pendulum.cu", "README.md"):
+        text = made[name].replace("\n * ", " ")
+        assert bool(re.search("bits (are those )?of the C for the processor", text)) is has_same_bits
+        assert ("Sine and cosine are those of CUDA; their last bits differ" in text) is not has_same_bits
 
 
 @pytest.mark.parametrize("name", ["kanegen_device", "kanegen_sincos"])

@@ -294,9 +294,15 @@ def test_status(width):
     np.testing.assert_array_equal(np.isnan(found).all(axis=1), [False] * len(GOOD) + [True] * len(BAD))
 
 
-@pytest.mark.parametrize("name", ["single", "Float", "", 32])
+@pytest.mark.parametrize("name", ["Float", "", 32])
 @pytest.mark.parametrize("function", [kg.generate, kg.build, kg.compare])
 def test_unknown_precisions(function, name):
     known = r"(Known are 'double', 'float', 'long double', 'double-double'|Did you mean 'float')"
     with pytest.raises(OptionError, match=rf"^unknown precision {name!r}\. {known}"):
         function(chain(2), precision=name)
+
+
+@pytest.mark.parametrize("name", ["single", "singel", "Single"])
+def test_another_name_of_single_precision(name):
+    with pytest.raises(OptionError, match=rf"^unknown precision '{name}'\. Single precision is 'float'\.$"):
+        kg.Variant(precision=name)

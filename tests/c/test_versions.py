@@ -22,6 +22,7 @@ from tests.battery.state_classes import states
 from tests.support import systems
 from tests.support.c_compilers import WARNINGS, C, run
 from tests.support.cases import slow_except
+from tests.support.paths import MODELS
 
 TIER = kg.Variant(machine="multiversioned")
 ARM = scenes.planar([1.0] * 6)
@@ -188,6 +189,29 @@ def test_the_self_test_of_rounding_to_float_is_wanted_for_versions_too(storage, 
     monkeypatch.setattr(selftest, "properties", forgetful)
     source = kg.generate(ARM, tier=replace(TIER, storage=storage))
     assert (remedy[0] in selftest.sound_flags(compilers.find(), source)) is is_narrowed
+
+
+FUSED = re.compile(r"\bvfn?m(add|sub)")
+"""Fused multiply-adds, as compilers for x86-64 write them."""
+
+
+@ON_X86_64
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", ["native", "multiversioned"])
+@pytest.mark.parametrize("compiler", C)
+@pytest.mark.parametrize("level", ["-O2", "-O3"])
+@pytest.mark.parametrize("march", ["x86-64-v3", "x86-64-v4"])
+def test_no_product_is_fused_with_a_sum_in_native_code(machine, compiler, level, march, tmp_path):
+    """Native code has flags for that; versions, compiled by users with -march=native, forbid it."""
+    outputs = ("forward_dynamics", "forward_dynamics_derivatives")
+    source = kg.generate(kg.load(MODELS / "free_body.toml"), outputs, tier=kg.Variant(machine=machine))
+    write(code(source), tmp_path)
+    own = [flag for flag in source.variant.flags if flag.startswith("-f")]
+    forbidden = own if machine == "native" else []
+    for file in ("free_body.c", "free_body_batch.c"):
+        flags = ["-std=c99", *WARNINGS, level, f"-march={march}", *forbidden, "-S", "-o", "-"]
+        text = run(*C[compiler], *flags, file, folder=tmp_path)
+        assert "vmulsd" in text and not FUSED.search(text)
 
 
 def test_a_library_of_versions_computes_the_bits_of_a_native_one():

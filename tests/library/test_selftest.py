@@ -160,6 +160,9 @@ def test_flags_follow_the_variant():
     assert Variant(semantics=("finite", "contracted"), machine="native", optimisation=3).flags == (
         *("-O3", "-march=native", "-ffp-contract=fast", "-ffinite-math-only"),
     )
+    native = Variant(machine="native")
+    assert native.flags == ("-O2", "-march=native", "-ffp-contract=off", semantics.UNFUSED)
+    assert native.flags_here == Variant().flags_here == ("-O2", "-march=native", "-ffp-contract=off")
     assert Variant(semantics="associative").flags == (
         *("-O2", "-ffp-contract=off", "-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"),
     )

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from kanegen import __version__
+from kanegen.artifacts.artifact import not_in_c
 from kanegen.artifacts.loads import with_rows_read
 from kanegen.artifacts.rust.arguments import (
     PAIR,
@@ -65,8 +66,8 @@ def rust(source: Source) -> dict[str, str]:
 
 def refusal(source: Source) -> str:
     """Return why there is no crate of `source`, "" if there is."""
-    if source.target != "c99":
-        return f"it is for C, not for {source.target}."
+    if why := not_in_c(source):
+        return why
     model_formats = formats(source.variant)
     arrays = {array.name for function in source.functions for array in (*function.inputs, *function.outputs)}
     kinds = {model_formats.of(name) for name in arrays if name != PREPARED}

@@ -20,6 +20,7 @@ from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.errors import ModelError, OptionError
 from kanegen.model.names import FILES_OF_C
+from kanegen.options import AUTO
 from kanegen.program.precision import DOUBLE, FLOAT
 
 THREADS = 128
@@ -83,7 +84,7 @@ class Cuda:
         """Return device functions, kernels and the header of the functions that launch them.
 
         Raises:
-            OptionError: If the target lacks the precision, the semantics or an output.
+            OptionError: If the target lacks the precision, the semantics, the machine or an output.
         """
         _require_supported(render_input)
         model = render_input.model.name
@@ -140,7 +141,8 @@ def _require_supported(render_input: RenderInput) -> None:
     """Refuse what kernels do not have.
 
     Raises:
-        OptionError: If there are no batches, or the precision, the semantics or an output are not for GPUs.
+        OptionError: If there are no batches, or the precision, the semantics, the machine or an output are
+            not for GPUs.
     """
     formats, variant = render_input.formats, render_input.variant
     if not render_input.batches:
@@ -156,6 +158,11 @@ def _require_supported(render_input: RenderInput) -> None:
         raise OptionError(
             f"target cuda: semantics {', '.join(variant.semantics)} are flags of compilers for processors. "
             "Generate strict code, and choose --fmad, --ftz or --use_fast_math when you compile it."
+        )
+    if variant.machine != AUTO:
+        raise OptionError(
+            f"target cuda: machine {variant.machine!r} is a choice of processors, not of GPUs. Leave it out, "
+            "and choose -arch when you compile the kernels."
         )
     if render_input.steps:
         raise OptionError(

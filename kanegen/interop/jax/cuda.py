@@ -25,6 +25,7 @@ from kanegen.interop.jax.handlers import Handlers
 from kanegen.library import Library
 from kanegen.library.native.build import Product, Recipe, made
 from kanegen.library.native.loaded import NativeLibrary
+from kanegen.options import AUTO
 from kanegen.program.ir import PREPARED
 
 jax = module("jax", "jaxlib", extra=JAX)
@@ -73,7 +74,9 @@ def _source(source: Source) -> Source:
         raise OptionError(
             f"functions: system {quoted(source.model.shown)} does not carry its programs. Give the system."
         )
-    return printed(replace(source.render_input, longest_part=CUDA_TARGET.longest_part), CUDA_TARGET)
+    variant = replace(source.render_input.variant, machine=AUTO)  # a choice of processors, for the C alone
+    longest = CUDA_TARGET.longest_part
+    return printed(replace(source.render_input, variant=variant, longest_part=longest), CUDA_TARGET)
 
 
 def _functions(source: Source) -> tuple[Function, ...]:

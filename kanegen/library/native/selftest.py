@@ -18,9 +18,9 @@ from kanegen.artifacts.selftest import selftest_text
 from kanegen.c import Source
 from kanegen.errors import BuildError
 from kanegen.library.native import cache, commands, compilers, processor
-from kanegen.program.semantics import NARROWING, OWN_ROUNDING, guaranteed_properties
+from kanegen.program.semantics import NARROWING, OWN_ROUNDING, UNFUSED, guaranteed_properties
 
-REMEDIES: dict[str, tuple[str, ...]] = dict.fromkeys((NARROWING, OWN_ROUNDING), ("-fno-tree-slp-vectorize",))
+REMEDIES: dict[str, tuple[str, ...]] = dict.fromkeys((NARROWING, OWN_ROUNDING), (UNFUSED,))
 """Compiler flags that restore a property of arithmetic, by property."""
 
 _PROGRAM = "selftest"
