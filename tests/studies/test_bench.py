@@ -138,6 +138,11 @@ def test_a_call_from_python_is_compared_with_the_same_c(alone: Comparison) -> No
     assert set(table.overheads(alone)) == {"A + f", "forward dynamics"}
 
 
+def test_rows_of_one_setting_have_the_same_flags(alone: Comparison) -> None:
+    flags = {(entry.setting.name, entry.setting.flags) for entry in alone.entries}
+    assert len(flags) == len(FEW)
+
+
 def test_loads_and_parameters_are_left_out_and_noted() -> None:
     crane = kg.load(MODELS / "gantry_crane.toml")
     changed, notes = without_loads_and_parameters(crane)

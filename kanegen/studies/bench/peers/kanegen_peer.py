@@ -112,4 +112,5 @@ def _from_python(problem: Problem, sources: Mapping[str, Source]) -> list[Partic
     path.write_bytes(pickle.dumps({quantity: load(source) for quantity, source in sources.items()}))
     command = (sys.executable, "-m", "kanegen.studies.bench.python_driver")
     tasks = (*SINGLE_STATE_TASKS, *map(_in_batches, SINGLE_STATE_TASKS))
-    return [Participant(PYTHON, DEFAULT, command, problem.states_file, tasks, (str(path),))]
+    (setting,) = here((DEFAULT,))
+    return [Participant(PYTHON, setting, command, problem.states_file, tasks, (str(path),))]
