@@ -166,7 +166,7 @@ class Inputs:
         """Return the (3, p) numbers of the prescribed motion of the caller at a time (s).
 
         Raises:
-            OptionError: If its function returns another shape, or something that is no real number.
+            OptionError: If its function returns another shape, or something that is no finite real number.
         """
         assert self.prescribed is not None
         found, shape = np.array(self.prescribed(time)), self.shape("prescribed")
@@ -175,6 +175,8 @@ class Inputs:
                 f"prescribed: at t = {time:.9g} s it returned {found.dtype} of shape {found.shape}; expected "
                 f"real numbers of shape {shape}: values, rates and second derivatives."
             )
+        if not np.isfinite(found).all():
+            raise OptionError(f"prescribed: at t = {time:.9g} s it returned a number that is not finite.")
         return found if found.dtype.kind == "f" else found.astype(np.float64)
 
     def _check_once(self, known: Mapping[str, Place]) -> None:

@@ -294,3 +294,9 @@ def test_prescribed_motion_is_an_expression_of_the_time_alone() -> None:
         kg.simulate(
             library, None, None, 1.0, step=0.1, inputs={"height": 0}, prescribed=lambda t: np.zeros((3, 1))
         )
+    with pytest.raises(
+        kg.OptionError, match="prescribed: at t = 0 s it returned a number that is not finite"
+    ):
+        kg.simulate(library, None, None, 1.0, step=0.1, prescribed=lambda t: np.full((3, 1), np.nan))
+    with pytest.raises(kg.OptionError, match=r"prescribed: the function takes \(t, x\); expected \(t\)\."):
+        kg.simulate(library, None, None, 1.0, step=0.1, prescribed=lambda t, x: np.zeros((3, 1)))  # type: ignore
