@@ -102,13 +102,39 @@ def required_by_elements(tree: Tree, moved: Mapping[int, BodyMotion], *, acceler
         moved: Motion of every body, by number.
         accelerated: Whether the freedoms have accelerations, as for `body_motions`.
     """
+    return required_efforts(tree, _requirement_of_elements(tree, moved, accelerated))
+
+
+def required_by_wrenches(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) -> list[Expr]:
+    """Return the same without the efforts that force elements exert along freedoms (`efforts_of_elements`).
+
+    Args:
+        tree: The tree.
+        moved: Motion of every body, by number.
+        accelerated: Whether the freedoms have accelerations, as for `body_motions`.
+    """
+    return at_free(tree, _along_freedoms(tree, _requirement_of_elements(tree, moved, accelerated)))
+
+
+def efforts_of_elements(tree: Tree) -> list[Expr]:
+    """Return the efforts that force elements exert along freedoms, by place in {y}."""
+    acting = element_efforts(tree)
+    along = {
+        number: acting.get((freedom.body, freedom.index), S.Zero)
+        for freedom, number in tree.system.moving_places.items()
+    }
+    return at_free(tree, along)
+
+
+def _requirement_of_elements(tree: Tree, moved: Mapping[int, BodyMotion], accelerated: bool) -> Requirement:
+    """Return the wrenches and efforts that springs, loads on points and rotors require."""
     rotors = spinning_rotors(tree)
     efforts = rotor_efforts(rotors, {k: motion.alpha for k, motion in moved.items()})
     omega = {k: motion.omega for k, motion in moved.items()}
     moments = rotor_moments(rotors, omega, accelerated=accelerated)
     applied = _less_moments(applied_wrenches(tree), moments)
     wrenches = [_opposite(applied.get(joint.body, Wrench())) for joint in tree.joints]
-    return required_efforts(tree, Requirement(wrenches, efforts))
+    return Requirement(wrenches, efforts)
 
 
 def required_by_bodies(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) -> list[Expr]:

@@ -32,7 +32,7 @@ from kanegen.recursion.free_components import (
     with_free_components,
 )
 from kanegen.recursion.gravity import gravity_forces
-from kanegen.recursion.inverse_dynamics import required_by_bodies, required_by_elements
+from kanegen.recursion.inverse_dynamics import efforts_of_elements, required_by_bodies, required_by_wrenches
 from kanegen.recursion.inverse_dynamics_derivatives import motions_by_coordinates
 from kanegen.recursion.joined_turns import with_joined_turns
 from kanegen.recursion.mass_matrix import mass_matrix
@@ -192,8 +192,10 @@ def _efforts(tree: Tree, *, accelerated: bool, together: bool) -> list[Expr]:
         together: Whether joints have free components.
     """
     needed: Sequence[Expr]
-    needed = required_by_elements(tree, body_motions(tree, accelerated=accelerated), accelerated=accelerated)
-    efforts = [generalized_force(one.body, one.index) for one in tree.system.freedoms]
+    needed = required_by_wrenches(tree, body_motions(tree, accelerated=accelerated), accelerated=accelerated)
+    own = [generalized_force(one.body, one.index) for one in tree.system.freedoms]
+    acting = efforts_of_elements(tree)
+    efforts = [tree.definitions.define(f"te_{i}", tau + acting[i]) for i, tau in enumerate(own)]
     if together:
         efforts = component_efforts(tree, efforts)
         needed = component_efforts(tree, needed, about_origins=True)

@@ -40,7 +40,9 @@ def namespace() -> dict[str, Any]:
     moving = kg.build(system.with_contacts([]), MOTION, flags="-O0")
     trajectory = kg.simulate(moving, x, y, [0.0, 0.1, 0.2], step=0.05)
     modules = {"kanegen": kanegen, "kg": kg, "np": np, "mescd": mescd}
-    state = {"x": x, "y": y, "ydot": ydot}
+    read = {array.name: array.shape for function in library.source.functions for array in function.inputs}
+    state = {"x": x, "y": y, "ydot": ydot, "tau": np.array([0.7, -0.8])}
+    state |= {name: np.ones(read[name]) for name in ("weights", "direction", "state_direction")}
     found = {"system": system, "library": library, "moving": moving, "trajectory": trajectory}
     return {**modules, **state, **found}
 

@@ -177,7 +177,7 @@ def test_simulations_ask_for_the_motion() -> None:
         simulate(library, [0.1], [0.2], [0, 1], step=0.1, prescribed=3)  # type: ignore[arg-type]
     with pytest.raises(kg.OptionError, match="no freedom of system 'double_pendulum' is prescribed"):
         simulate(plain, [0.1, 0], [0.2, 0], [0, 1], step=0.1, prescribed=shaken)
-    with pytest.raises(kg.ArrayError, match=r"prescribed: expected shape \(3, 1\)"):
+    with pytest.raises(kg.OptionError, match=r"prescribed: .*shape \(3, 1\)"):
         simulate(library, [0.1], [0.2], [0, 1], step=0.1, prescribed=lambda time: [time])
 
 

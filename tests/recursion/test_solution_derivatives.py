@@ -70,11 +70,12 @@ def test_floating_bases(seed: int, kind: str, name: str) -> None:
     agree(floating(seed, kind), seed, name)
 
 
-@pytest.mark.parametrize("kind", ["angles", "quaternion"])
+@pytest.mark.parametrize("kind", ["angles", "angular velocity", "quaternion"])
 def test_one_floating_body(kind: str) -> None:
-    """Whose mass centre is its origin for the solver."""
+    """Whose mass centre is its origin for the solver; a spring along a freedom acts at O_K."""
     system = floating(5, kind)
-    agree(replace(system, bodies=system.bodies[:1], force_elements=()), 3)
+    moor = (kg.JointSpring("b1.s1", stiffness=50.0, damping=0.4),)
+    agree(replace(system, bodies=system.bodies[:1], force_elements=moor), 3)
 
 
 @pytest.mark.parametrize("seed", slow_except(range(24), 4))
