@@ -94,7 +94,7 @@ class SolutionColumns:
         """Return the solution in loops, with entries of {ydot} mapped that are no free components."""
         mapped = [i for i in range(self._n) if not self._is_component(i)]
         place = {i: self._n + k for k, i in enumerate(mapped)}
-        maps, added = self._map_of_components(), self._tangents("rates", self._columns.keys() - {"tau"})
+        maps, added = self._map_of_components(), self._rates(self._columns.keys() - {"tau"}, {})
         elimination = self._elimination.relabelled(place)
         for i in mapped:
             elimination = elimination.with_map(i, {place.get(k, k): value for k, value in maps[i].items()})
@@ -114,12 +114,7 @@ class SolutionColumns:
     def _map_of_components(self) -> list[Tangent]:
         """Return the derivatives of the entries of {ydot} by free components, by place of these in {y}."""
         one = self._builder.constant(self._constants.quotient(1, 1))
-        components = {
-            i: {x.index: one}
-            for i, x in enumerate(self._program.instructions)
-            if x.op is Op.INPUT and x.array == "ydot"
-        }
-        return self._tangents("rates", (), components)
+        return self._rates((), {i: {i: one} for i in range(self._n)})
 
     def _efforts_of(self, places: Collection[int]) -> dict[int, Column]:
         """Return the derivatives of efforts on components by entries of {tau}, by column."""
@@ -133,15 +128,24 @@ class SolutionColumns:
         """Return the derivatives of the entries of {ydot}, by column, from those of the components."""
         if "tau" in self._columns:
             solved |= self._solved_for_efforts()
-        components = {
-            i: {column: found[x.index] for column, found in solved.items() if x.index in found}
-            for i, x in enumerate(self._program.instructions)
-            if x.op is Op.INPUT and x.array == "ydot"
-        }
-        rows = self._tangents("rates", self._columns, components)
+        rows = self._rates(self._columns, _transposed(solved))
         if "tau" in self._columns:
             self._fill_by_symmetry(rows)
         return rows
+
+    def _rates(self, by: Collection[str], components: Mapping[int, Tangent]) -> list[Tangent]:
+        """Return the derivatives of the entries of {ydot}, by column, for those of the free components.
+
+        Args:
+            by: Arrays by which the map from components is differentiated.
+            components: Derivatives of the components, by place in {y}.
+        """
+        known = {
+            i: components.get(x.index, {})
+            for i, x in enumerate(self._program.instructions)
+            if x.op is Op.INPUT and x.array == "ydot"
+        }
+        return self._tangents("rates", by, known)
 
     def _solved_for_efforts(self) -> dict[int, Column]:
         """Return the derivatives of the components by {tau}, by column.
@@ -302,8 +306,13 @@ class SolutionColumns:
 
 def _by_column(rows: Sequence[Tangent]) -> dict[int, Column]:
     """Return the entries of rows by column and row."""
-    found: dict[int, Column] = {}
-    for i, row in enumerate(rows):
+    return _transposed(dict(enumerate(rows)))
+
+
+def _transposed(entries: Mapping[int, Mapping[int, int]]) -> dict[int, dict[int, int]]:
+    """Return entries by the second of their places, then by the first."""
+    found: dict[int, dict[int, int]] = {}
+    for i, row in entries.items():
         for column, value in row.items():
             found.setdefault(column, {})[i] = value
     return found

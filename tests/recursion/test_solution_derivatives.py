@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import mpmath
 import numpy as np
@@ -11,63 +10,32 @@ import pytest
 
 import kanegen as kg
 from benchmarks import models
-from kanegen.compiler import compile_candidate, compile_module
+from kanegen.compiler import compile_module
 from kanegen.lowering.accept import accept
 from kanegen.lowering.conditioning import condition
 from kanegen.options import STRICT
 from kanegen.program.count import count
 from kanegen.program.evaluate import evaluate
-from kanegen.program.ir import PREPARED, Module, Op
+from kanegen.program.ir import Op
 from kanegen.recursion.outputs import SOLUTION_PARTS
 from tests.support import prescribed_trees, random_trees
 from tests.support.cases import slow_except
+from tests.support.derived_ways import agree, inputs_of, modules
 from tests.support.floating_trees import floating
 from tests.support.systems import eight_body
 
 NAME = "forward_dynamics_derivatives"
 
 
-def modules(system: kg.System, name: str = NAME) -> tuple[Module, Module]:
-    """Return the programs of an output from its parts and by tangents of the solver."""
-    request = accept(system, (name,), STRICT)
-    (first, *_) = condition(request)
-    assert SOLUTION_PARTS in first.methods
-    methods = {key: way for key, way in first.methods.items() if key != SOLUTION_PARTS}
-    found = (first, replace(first, methods=methods))
-    return tuple(compile_candidate(request, one).module for one in found)  # type: ignore[return-value]
-
-
-def inputs_of(module: Module, system: kg.System, seed: int, **fixed: Any) -> dict[str, list[Any]]:
-    """Return a random number for every element of every input, and the constants that `prepare` fills."""
-    arrays = [array for array in next(iter(module.functions.values())).inputs if array.name != PREPARED]
-    flat = {
-        array.name: [mpmath.mpf(v) for v in np.random.default_rng([seed, i]).uniform(-1, 1, array.size)]
-        for i, array in enumerate(arrays)
-    }
-    if module.prepare is not None:
-        numbers = {"parameters": [mpmath.mpf(p.value) for p in system.parameters]}
-        flat |= evaluate(module.prepare, numbers, mpmath, mpmath.mpf)
-    return flat | fixed
-
-
-def agree(system: kg.System, seed: int, name: str = NAME) -> None:
-    """Check that both programs compute the same derivatives, under the same conditions."""
-    with mpmath.workdps(50):
-        found = []
-        for module in modules(system, name):
-            (program,) = module.functions.values()
-            (values,) = evaluate(program, inputs_of(module, system, seed), mpmath, mpmath.mpf).values()
-            found.append(list(values))
-            assert len(program.outputs[0].exists_if_positive) == len(system.freedoms)
-        size = max(abs(v) for v in found[1])
-        assert max(abs(a - b) for a, b in zip(*found, strict=True)) < 1e-12 * size  # constants are doubles
+WITHIN = 1e-12
+"""Share of the largest derivative: rounding of constants, which both ways have as doubles."""
 
 
 @pytest.mark.parametrize("name", [NAME, "forward_dynamics_input_derivatives"])
 @pytest.mark.parametrize("kind", ["angles", "angular velocity", "quaternion"])
 @pytest.mark.parametrize("seed", slow_except(range(4), 1))
 def test_floating_bases(seed: int, kind: str, name: str) -> None:
-    agree(floating(seed, kind), seed, name)
+    agree(floating(seed, kind), name, seed, WITHIN)
 
 
 @pytest.mark.parametrize("kind", ["angles", "angular velocity", "quaternion"])
@@ -75,7 +43,7 @@ def test_one_floating_body(kind: str) -> None:
     """Whose mass centre is its origin for the solver; a spring along a freedom acts at O_K."""
     system = floating(5, kind)
     moor = (kg.JointSpring("b1.s1", stiffness=50.0, damping=0.4),)
-    agree(replace(system, bodies=system.bodies[:1], force_elements=moor), 3)
+    agree(replace(system, bodies=system.bodies[:1], force_elements=moor), NAME, 3, WITHIN)
 
 
 @pytest.mark.parametrize("seed", slow_except(range(24), 4))
@@ -84,18 +52,18 @@ def test_random_trees_of_all_kinds(seed: int) -> None:
     system = random_trees.everything(seed, bodies=3)
     (first, *_) = condition(accept(system, (NAME,), STRICT))
     if SOLUTION_PARTS in first.methods:
-        agree(system, seed)
+        agree(system, NAME, seed, WITHIN)
 
 
 @pytest.mark.parametrize("kind", ["slides and hinges", "rates"])
 def test_prescribed_motion(kind: str) -> None:
-    agree(prescribed_trees.tree(kind, 2), 2, "forward_dynamics_input_derivatives")
+    agree(prescribed_trees.tree(kind, 2), "forward_dynamics_input_derivatives", 2, WITHIN)
 
 
 def test_next_to_gimbal_lock_of_a_floating_base_no_digits_are_lost() -> None:
     """The angles of the base are those of its file; 2^11 roundoffs of a column, where the solver has 2^8."""
     system = floating(2, "angles")
-    module, _ = modules(system)
+    module, _ = modules(system, NAME)
     (program,) = module.functions.values()
     for distance in (1e-3, 1e-8):
         given = {key: [float(v) for v in values] for key, values in inputs_of(module, system, 7).items()}
