@@ -14,9 +14,12 @@ import os
 import reprlib
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
 
 QUOTED = 120
 """Largest number of characters of one quoted value in a message."""
@@ -150,6 +153,32 @@ class KanegenWarning(UserWarning):
 
     def __init__(self, message: object = "") -> None:
         super().__init__(excerpt(str(message), LONGEST_MESSAGE))
+
+
+def call_named(label: str, function: Callable[..., Result], time: float, *state: Any) -> Result:
+    """Return what a function of the caller returns, and name the input in an exception that it raises.
+
+    Args:
+        label: What the function is for, with which errors begin, such as "effort".
+        function: The function of the time, and of the state where it gets one.
+        time: The time, s.
+        state: Further arguments.
+
+    Raises:
+        KanegenError: If the function raises an exception, which is the cause of this one: of the same class
+            where that is one of kanegen, else an `OptionError`.
+
+    Example:
+        tau = call_named("effort", effort, 0.31, x, y)
+    """
+    try:
+        return function(time, *state)
+    except Exception as error:
+        is_own = isinstance(error, KanegenError) and type(error).__module__ == __name__
+        kind = type(error) if is_own else OptionError
+        shown = f"{type(error).__name__}: {error}".removesuffix(": ")
+        message = f"{label}: at t = {time:.9g} s the function failed with {' '.join(shown.split())}"
+        raise kind(message) from error
 
 
 _PACKAGE = f"{Path(__file__).parent}{os.sep}"

@@ -9,7 +9,7 @@ from typing import Any, NoReturn, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kanegen.errors import ArrayError, OptionError, quoted
+from kanegen.errors import ArrayError, OptionError, call_named, quoted
 from kanegen.library.bound import BoundCall
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.embedding import Embedding
@@ -105,6 +105,7 @@ class RightSide:
 
         Raises:
             ArrayError: If the state, or what a function of an input returns, has the wrong shape or type.
+            OptionError: If a function of an input fails, with its exception as the cause.
             StatusError: As `Library.forward_dynamics`, with the time in the message.
         """
         given = _doubles("state", state)
@@ -194,7 +195,9 @@ class RightSide:
         by = self._library.derivative_columns("forward_dynamics_derivatives")
         slopes[m:, :m], slopes[m:, m:] = found[:, by["x"]], found[:, by["y"]]
         if "tau" in self._varying:
-            own = self._tau_jac(t, *self.parts(given)) if callable(self._tau_jac) else self._tau_jac
+            own = self._tau_jac
+            if callable(own):
+                own = call_named("tau_jac", own, t, *self.parts(given))
             slopes[m:] += found[:, by["tau"]] @ self._slopes_of_tau(own)
         if self._are_rates:
             slopes[:m, m:] = np.eye(m)
@@ -236,7 +239,8 @@ class RightSide:
         for name in self._varying:
             if name in call.inputs:
                 function = self._inputs[name]
-                value = function(t, *self.parts(state)) if name == "tau" else function(t)
+                read = self.parts(state) if name == "tau" else ()
+                value = call_named(name, function, t, *read)
                 found[name] = _doubles(name, value).copy()
         return found
 

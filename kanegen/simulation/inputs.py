@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import OptionError, quoted
+from kanegen.errors import OptionError, call_named, quoted
 from kanegen.library import Library
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
@@ -166,10 +166,12 @@ class Inputs:
         """Return the (3, p) numbers of the prescribed motion of the caller at a time (s).
 
         Raises:
-            OptionError: If its function returns another shape, or something that is no finite real number.
+            OptionError: If its function returns another shape, or something that is no finite real number, or
+                fails.
         """
-        assert self.prescribed is not None
-        found, shape = np.array(self.prescribed(time)), self.shape("prescribed")
+        motion, shape = self.prescribed, self.shape("prescribed")
+        assert motion is not None
+        found = call_named("prescribed", lambda moment: np.array(motion(moment)), time)
         if found.dtype.kind not in "iuf" or found.shape != shape:
             raise OptionError(
                 f"prescribed: at t = {time:.9g} s it returned {found.dtype} of shape {found.shape}; expected "
@@ -312,7 +314,7 @@ class Inputs:
 
         The function gets a copy of the state, since it may compute in place.
         """
-        tau = np.asarray(effort(time, x.copy(), y.copy()))
+        tau = call_named("effort", lambda *given: np.asarray(effort(*given)), time, x.copy(), y.copy())
         if tau.dtype.kind not in "iuf" or tau.shape not in (y.shape, y.shape[-1:]):
             raise OptionError(
                 f"effort: at t = {time:.9g} s it returned {tau.dtype} of shape {tau.shape}; expected real "

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.errors import ModelError, OptionError
+from kanegen.errors import ModelError, OptionError, call_named
 from kanegen.library import Library
 from kanegen.model.arrays import Floats as Doubles
 from kanegen.model.expression import Expression, Parameter
@@ -122,9 +122,10 @@ class TimeFunction:
         """Return the numbers at a time (s).
 
         Raises:
-            OptionError: If there is another number of them, or one is no finite real number.
+            OptionError: If there is another number of them, one is no finite real number, or the function
+                fails.
         """
-        found = np.array(self.function(time))
+        found = call_named(self.label, lambda moment: np.array(self.function(moment)), time)
         if found.dtype.kind not in "iuf" or found.shape not in (
             (self.count,),
             () if self.count == 1 else (3,),

@@ -117,7 +117,8 @@ def simulate(
     Raises:
         ArrayError: If an array has the wrong shape or type.
         OptionError: If an option or a name does not exist, or does not fit the method or the library, an
-            expression cannot be read, or the motion of prescribed freedoms is missing.
+            expression cannot be read, the motion of prescribed freedoms is missing, or a function of the
+            caller fails, whose exception is the cause; the message names the input and the time.
         ReadError: If a table cannot be read.
         MissingError: If an adaptive method is asked for and SciPy is not installed.
         SingularError: If [A] becomes singular or the method gives up; the message has the time.

@@ -206,6 +206,10 @@ def test_what_does_not_fit_says_so(pendulum: kg.Library) -> None:
     for wrong in ("abc", [0.0, 0.0, 0.0, 1j], [[0.0, 0.0], [0.0]]):
         with pytest.raises(ArrayError, match="state: "):
             pendulum.rhs()(0.0, wrong)
+    with pytest.raises(
+        OptionError, match=r"tau: at t = 0\.5 s the function failed with IndexError: index 2 is out"
+    ):
+        pendulum.rhs(lambda t, x, y: -y[2])(0.5, np.zeros(4))
     with pytest.raises(ArrayError, match=r"tau: expected shape \(2,\), got \(3,\)"):
         pendulum.rhs(lambda t, x, y: np.zeros(3))(0.0, np.zeros(4))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -300,3 +301,33 @@ def test_prescribed_motion_is_an_expression_of_the_time_alone() -> None:
         kg.simulate(library, None, None, 1.0, step=0.1, prescribed=lambda t: np.full((3, 1), np.nan))
     with pytest.raises(kg.OptionError, match=r"prescribed: the function takes \(t, x\); expected \(t\)\."):
         kg.simulate(library, None, None, 1.0, step=0.1, prescribed=lambda t, x: np.zeros((3, 1)))  # type: ignore
+
+
+def _failing(time: float, *state: np.ndarray) -> Any:
+    """Return zeros before 0.25 s, and fail from there on."""
+    if time >= 0.25:
+        raise ValueError("no contact\nfound")
+    return state[1] * 0.0 if state else 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "label"),
+    [
+        ({"inputs": {"block.s1": _failing}}, "input block.s1"),
+        ({"effort": _failing}, "effort"),
+        ({"inputs": {"block.s1": lambda t: [[1.0], [1.0, 2.0]]}}, "input block.s1"),
+    ],
+)
+def test_functions_that_fail_are_named(given: dict[str, Any], label: str) -> None:
+    with pytest.raises(kg.OptionError) as error:
+        kg.simulate(slider(), None, None, 1.0, step=0.1, **given)
+    assert re.match(rf"{label}: at t = [\d.]+ s the function failed with ValueError: ", str(error.value))
+    assert isinstance(error.value.__cause__, ValueError) and "\n" not in str(error.value)
+
+
+def test_errors_of_kanegen_in_functions_keep_their_class() -> None:
+    def effort(t: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        raise kg.StatusError("the controller has no solution")
+
+    with pytest.raises(kg.StatusError, match="effort: at t = 0 s the function failed with Status"):
+        kg.simulate(slider(), None, None, 1.0, step=0.1, effort=effort)
