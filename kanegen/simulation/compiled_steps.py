@@ -186,7 +186,9 @@ class CompiledSteps:
 
     def _reported_step(self, time: float, length: float, state: Floats) -> Floats:
         """Return the state after a step in C, whose failure is reported as that of any function."""
-        states, _ = self._rollout(state, time, 1, length, 1, self.motion.library_at(time))
+        x, y = self.motion.state.x(state), self.motion.state.y(state)
+        library = self.motion.library_at(time, x, y, length)
+        states, _ = self._rollout(state, time, 1, length, 1, library)
         last: Floats = states[-1]
         return last
 

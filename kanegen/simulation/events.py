@@ -190,8 +190,8 @@ class Watch:
         The rate of the work is left at 0, since no event looks at it.
         """
         motion, layout = self.motion, self.motion.state
-        library = motion.library_at(float(times[0]))
         x, y = layout.x(states), layout.y(states)
+        library = motion.library_at(float(times[0]), x[0], y[0])
         rows = sampled(motion.inputs, times, times) | self._time(times)
         given: dict[str, Any] = {name: values.astype(y.dtype) for name, values in rows.items()}
         motion.evaluations += len(times)

@@ -133,7 +133,7 @@ class Inputs:
                 tables.append(read_table(source, hold, tuple(known), library))
         columns = [(known[name], table, k) for table in tables for k, name in enumerate(table.names)]
         found = cls(library, effort, prescribed, tuple(signals), tuple(columns))
-        found._check_once(known)
+        found._check_once()
         found._check_prescribed()
         return found
 
@@ -181,13 +181,12 @@ class Inputs:
             raise OptionError(f"prescribed: at t = {time:.9g} s it returned a number that is not finite.")
         return found if found.dtype.kind == "f" else found.astype(np.float64)
 
-    def _check_once(self, known: Mapping[str, Place]) -> None:
+    def _check_once(self) -> None:
         """Make sure that no input is given twice."""
         acting = [place for place, _ in self.signals] + [place for place, *_ in self.columns]
         for k, place in enumerate(acting):
             if place in acting[:k]:
-                name = next(name for name, one in known.items() if one == place)
-                raise OptionError(f"input {name}: it is given twice. Give it once.")
+                raise OptionError(f"input {self._name(place)}: it is given twice. Give it once.")
 
     def _check_prescribed(self) -> None:
         """Make sure that the motion of each prescribed freedom is given exactly once."""
@@ -292,6 +291,32 @@ class Inputs:
                 array[:, place.index[0]] = signal.with_rates(time)
             else:
                 array[place.elements] += signal(variables)
+
+    def not_finite_at(self, time: float, x: Floats, y: Floats) -> str:
+        """Return the clause on the first expression that is not finite at a time (s): "" if there is none.
+
+        Functions of the time that return such a number are refused when they are called.
+
+        Args:
+            time: The time, s.
+            x: (..., m) coordinates.
+            y: (..., n) generalized speeds.
+        """
+        variables: dict[str, Any] = {"t": np.float64(time)} | state_variables(self.library, x, y)
+        for place, signal in self.signals:
+            if isinstance(signal, TimeFunction):
+                continue
+            values = signal.with_rates(time) if place.argument == "prescribed" else (signal(variables),)
+            for words, value in zip(
+                ("is", "has the rate", "has the second derivative"), values, strict=False
+            ):
+                if not (finite := np.isfinite(value)).all():
+                    return f"input {self._name(place)}: {signal.text} {words} {value[~finite].flat[0]}"
+        return ""
+
+    def _name(self, place: Place) -> str:
+        """Return the name by which a caller gives the input that acts at a place."""
+        return next(name for name, one in places(self.library).items() if one == place)
 
     def _array(self, found: dict[str, Floats], place: Place, y: Floats) -> Floats:
         """Return the argument of a place, which is made of zeros where it is not there yet."""

@@ -116,7 +116,7 @@ class Motion:
                 inaccurate and the library raises on that. The message has the time.
         """
         self.evaluations += 1
-        library, arguments = self.library_at(time), self._arguments(time, x, y)
+        library, arguments = self.library_at(time, x, y), self._arguments(time, x, y)
         found = library.forward_dynamics(x, y, **arguments)
         power = np.zeros(y.shape[:-1], y.dtype)
         tau = arguments.pop("tau", None)
@@ -138,7 +138,7 @@ class Motion:
             return y
         arguments = self._arguments(time, x, y)
         named = {name: arguments[name] for name in self.library.further_inputs if name in arguments}
-        return self.library_at(time).coordinate_rates(x, y, **named)
+        return self.library_at(time, x, y).coordinate_rates(x, y, **named)
 
     def _arguments(self, time: float, x: Floats, y: Floats) -> dict[str, Any]:
         """Return what acts at a time as arguments of `Library.forward_dynamics`, with the time itself."""
@@ -152,24 +152,34 @@ class Motion:
             message = f"{first.message} {count} of {self.evaluations} evaluations were not accurate."
             report(replace(first, message=message), self.library.on_status)
 
-    def library_at(self, time: float) -> Library:
+    def library_at(self, time: float, x: Floats, y: Floats, step: float = 0.0) -> Library:
         """Return the library, which passes what it has to report to `_react` with the time (s).
 
         A library that ignores reports does so from the second evaluation on: no motion begins in a state
         that has no finite rates.
+
+        Args:
+            time: The time, s.
+            x: (..., m) coordinates at this time.
+            y: (..., n) generalized speeds.
+            step: Length of the step of a function that makes one, s.
         """
         if self.library.on_status == "ignore" and self.evaluations > 1:
             return self.library
-        return self.library.with_on_status(partial(self._react, time))
+        return self.library.with_on_status(partial(self._react, time, x, y, step))
 
-    def _react(self, time: float, found: StatusReport) -> None:
+    def _react(self, time: float, x: Floats, y: Floats, step: float, found: StatusReport) -> None:
         """Stop where a result is missing or not finite; keep the report of one that may be inaccurate.
 
-        The first evaluation is in the first state, which does not depend on the step. A report of a step says
-        itself what helps, unless a result is missing.
+        An input that is not finite is the cause, which is named. The first evaluation is in the first state,
+        which does not depend on the step. A report of a step says itself what helps, unless a result is
+        missing.
         """
         message = f"at t = {time:.9g} s: {found.of_step or found.message}"
         if found.kind != INACCURATE:
+            for moment in (time, time + step / 2, time + step) if step else (time,):
+                if cause := self.inputs.not_finite_at(moment, x, y):
+                    raise replace(found, message=f"at t = {moment:.9g} s: {cause}.").error
             may_help = self.evaluations > 1 and (found.kind == MISSING or not found.of_step)
             raise replace(found, message=message + " A smaller step may avoid this." * may_help).error
         if self.library.on_status != "warn":

@@ -325,6 +325,27 @@ def test_functions_that_fail_are_named(given: dict[str, Any], label: str) -> Non
     assert isinstance(error.value.__cause__, ValueError) and "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("method", ["RK4", "leapfrog", "DOP853"])
+def test_expressions_that_are_not_finite_are_named(method: str) -> None:
+    step = None if method == "DOP853" else 0.125
+    for inputs, message in (
+        ({"block.s1": "sqrt(1 - t)"}, r"at t = [\d.]+ s: input block.s1: sqrt\(1 - t\) is nan\."),
+        ({"force.block.x": "sqrt(1 - x.block.s1)"}, r"input force.block.x: sqrt\(1 - x.block.s1\) is nan\."),
+    ):
+        with pytest.raises(kg.StatusError, match=message) as error:
+            kg.simulate(slider(), None, [1.0], 8.0, method=method, step=step, inputs=inputs)
+        assert (error.value.trajectory.times < 8.0).all()
+
+
+def test_rates_of_prescribed_motion_that_are_not_finite_are_named() -> None:
+    library = kg.build(
+        kg.load(MODELS / "quarter_car.toml"), ("forward_dynamics", "rollout_euler"), flags="-O0"
+    )
+    for method in ("leapfrog", "euler"):
+        with pytest.raises(kg.StatusError, match=r"input height: sqrt\(1 - t\) has the rate -inf\."):
+            kg.simulate(library, times=2.0, step=0.125, method=method, inputs={"height": "sqrt(1 - t)"})
+
+
 def test_errors_of_kanegen_in_functions_keep_their_class() -> None:
     def effort(t: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         raise kg.StatusError("the controller has no solution")
