@@ -33,9 +33,10 @@ from numpy.typing import ArrayLike
 
 from kanegen import library as libraries
 from kanegen import recursion, symbolic
-from kanegen.artifacts import chosen, outputs_with, variant_with, with_artifacts
+from kanegen.artifacts import chosen, outputs_with, require_language, variant_with, with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
+from kanegen.c.render import target_named
 from kanegen.c.target import Target
 from kanegen.choices import flag
 from kanegen.errors import OptionError, SingularError, quoted
@@ -197,6 +198,8 @@ def generate(
     variant = variant_with(
         asked, chosen_variant(tier, precision=precision, without=without), precision=precision
     )
+    language = target_named(target)
+    require_language(asked, language.name)
     needed = outputs_with(asked, system, outputs)
     compiled = compile_module(system, needed, progress, variant, mass_matrix=mass_matrix)
     progress("printing")
@@ -208,7 +211,7 @@ def generate(
         compiled.operations,
         variant,
         decided,
-        target,
+        language,
         functions,
         flag("parameters_by_state", parameters_by_state),
         flag("batches", batches),

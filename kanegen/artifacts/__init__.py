@@ -14,7 +14,7 @@ from dataclasses import replace
 from kanegen.artifacts import fmi
 from kanegen.artifacts.arduino import arduino
 from kanegen.artifacts.arduino import refusal as arduino_refusal
-from kanegen.artifacts.artifact import ELEMENTS, WHOLE, Artifact, lacking, motion, not_in_c
+from kanegen.artifacts.artifact import ELEMENTS, WHOLE, Artifact, lacking, motion
 from kanegen.artifacts.casadi import casadi, usual_outputs
 from kanegen.artifacts.casadi import refusal as casadi_refusal
 from kanegen.artifacts.certificate import certificate
@@ -42,12 +42,16 @@ from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
 from kanegen.recursion.outputs import EQUATIONS, INTEGRATORS, OUTPUTS
 
-__all__ = ["ARTIFACTS", "Artifact", "chosen", "outputs_with", "places", "variant_with", "with_artifacts"]
-
-
-def _not_described(source: Source) -> str:
-    """Return why a source cannot have a README, "" if it can."""
-    return "" if source.target == "cuda" else not_in_c(source)
+__all__ = [
+    "ARTIFACTS",
+    "Artifact",
+    "chosen",
+    "outputs_with",
+    "places",
+    "require_language",
+    "variant_with",
+    "with_artifacts",
+]
 
 
 ARTIFACTS: dict[str, Artifact] = {
@@ -57,7 +61,6 @@ ARTIFACTS: dict[str, Artifact] = {
             "example",
             "A program that calls every function once.",
             example,
-            not_in_c,
             is_default=True,
             places=("main.c",),
         ),
@@ -65,24 +68,22 @@ ARTIFACTS: dict[str, Artifact] = {
             "cmake",
             "Builds and installs the code as a library.",
             cmake,
-            not_in_c,
             is_default=True,
             places=("CMakeLists.txt",),
         ),
-        Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, not_in_c, is_default=True),
+        Artifact("pkg-config", "Lets pkg-config find it.", pkg_config, is_default=True),
         Artifact(
             "readme",
             "Describes files, arrays and costs.",
             readme,
-            _not_described,
             is_default=True,
+            languages=("c99", "cuda"),
             places=("README.md",),
         ),
         Artifact(
             "description",
             "Names the elements of arrays, and tells of them.",
             description,
-            not_in_c,
             next_step="Include `{model}_description.h`; `{model}_describe()` returns names, units and "
             "limits as JSON",
             page="docs/embedding/description.md",
@@ -91,7 +92,6 @@ ARTIFACTS: dict[str, Artifact] = {
             "cpp",
             "A class in C++17, in headers alone.",
             cpp,
-            not_in_c,
             usual_outputs=motion,
             next_step="Include `{model}.hpp` and compile `{model}.c` as C; the methods of "
             "`kanegen::{model}::model` are the functions",
@@ -102,6 +102,7 @@ ARTIFACTS: dict[str, Artifact] = {
             "Re-anchors joints at run time.",
             reanchoring,
             reanchoring_refusal,
+            languages=("c99", "cuda"),
             precision="double",
         ),
         Artifact("certificate", "Records how a budget is kept.", certificate, certificate_refusal),
@@ -182,7 +183,6 @@ ARTIFACTS: dict[str, Artifact] = {
             "self-test",
             "Says what a compiler does to IEEE arithmetic.",
             selftest,
-            not_in_c,
             places=("selftest.c",),
         ),
         Artifact(
@@ -218,6 +218,21 @@ def chosen(names: Iterable[str] | str) -> tuple[str, ...]:
         OptionError: If an artifact is unknown, or `names` holds no names.
     """
     return several("artifacts", "artifact", names, ARTIFACTS)
+
+
+def require_language(artifacts: Iterable[str], language: str) -> None:
+    """Make sure that artifacts can stand beside code in a language.
+
+    Args:
+        artifacts: Names of artifacts, checked.
+        language: Name of the target, such as "cuda".
+
+    Raises:
+        OptionError: If one cannot.
+    """
+    for name in artifacts:
+        if why := ARTIFACTS[name].refusal_of_language(language):
+            raise OptionError(f"{name}: {why}")
 
 
 def outputs_with(

@@ -11,7 +11,6 @@ import json
 import re
 from dataclasses import replace
 
-from kanegen.artifacts.artifact import not_in_c
 from kanegen.artifacts.example import inputs, results
 from kanegen.c.context import Context, context
 from kanegen.c.formats import Formats, formats
@@ -46,8 +45,6 @@ _LIBRARY_FILES = {
 
 def refusal(source: Source) -> str:
     """Return why `source` cannot be such a library, "" if it can."""
-    if why := not_in_c(source):
-        return why
     name = source.model.name
     if name.lower() in HEADERS_OF_ARDUINO:
         return f"the header {name}.h would hide one of Arduino's. Give the system another name: --name NAME."

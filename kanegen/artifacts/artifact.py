@@ -20,13 +20,6 @@ def _never(source: Source) -> str:
     return ""
 
 
-def not_in_c(source: Source) -> str:
-    """Return why a source in another language than C cannot have an artifact for C, "" for one in C."""
-    if source.target == "c99":
-        return ""
-    return f"it is for C, not for {source.target}. Leave it out, or leave out the target {source.target!r}."
-
-
 @dataclass(frozen=True)
 class Artifact:
     """Optional files beside generated code, for one kind of user.
@@ -51,6 +44,7 @@ class Artifact:
             may be those of a triangle by themselves, or "all", also a triangle within the whole array.
         places: Names of its files, and of the folders of its files, in the folder of the source, as far as
             they do not begin with the name of the model, for which "{model}" stands.
+        languages: Names of the targets beside whose code the artifact can stand.
 
     Raises:
         OptionError: If there is no such precision.
@@ -71,6 +65,7 @@ class Artifact:
     page: str = ""
     places: tuple[str, ...] = ()
     takes: str = ALL
+    languages: tuple[str, ...] = ("c99",)
 
     def __post_init__(self) -> None:
         """Check that there is such a precision."""
@@ -88,13 +83,21 @@ class Artifact:
 
     def obstacle(self, source: Source) -> str:
         """Return why a source cannot have the artifact, with how to mend it, "" if it can."""
-        if why := self._refusal_of_form(source) or self.refusal(source):
+        if why := self.refusal_of_language(source.target) or self._refusal_of_form(source):
+            return why
+        if why := self.refusal(source):
             return why
         if not callable(self.outputs):
             return self._lack(self.outputs, source)
         if source.system is None:
             return "this source does not carry its system. Generate it anew with kg.generate."
         return self._lack(self.outputs(source.system), source)
+
+    def refusal_of_language(self, language: str) -> str:
+        """Return why the artifact cannot stand beside code of a target, with how to mend it, or ""."""
+        if language in self.languages:
+            return ""
+        return f"it is for C, not for {language}. Leave it out, or leave out the target {language!r}."
 
     def _refusal_of_form(self, source: Source) -> str:
         """Return why the artifact cannot have the form of [A], "" if it can."""

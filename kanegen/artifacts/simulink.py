@@ -6,7 +6,6 @@ import textwrap
 from dataclasses import dataclass
 from typing import Any
 
-from kanegen.artifacts.artifact import not_in_c
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, WIDTH, wrap
@@ -68,8 +67,6 @@ def simulink(source: Source) -> dict[str, str]:
 
 def refusal(source: Source) -> str:
     """Return why there are no blocks of `source`, "" if there are."""
-    if why := not_in_c(source):
-        return why
     arrays = formats(source.variant)
     foreign = [one.name for one in (arrays.storage, arrays.parameters) if one.c_type not in TYPES]
     if foreign:

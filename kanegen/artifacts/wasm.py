@@ -35,8 +35,6 @@ STEP = "step_rk4"
 def refusal(source: Source) -> str:
     """Return why a source cannot become WebAssembly, "" if it can."""
     variant, needs = source.variant, ""
-    if source.target != "c99":
-        return f"WebAssembly is made of C99, not of {source.target}. Generate C99."
     if "long double" in (source.precision, source.storage):
         needs = "long double. Take precision double-double."
     elif variant.sincos == "libm":

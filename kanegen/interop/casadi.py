@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from kanegen import extras
+from kanegen.artifacts import ARTIFACTS
 from kanegen.artifacts.casadi import (
     ODE,
     CasadiFunction,
@@ -70,7 +71,7 @@ def function(model: System | Source | Library, name: str = "forward_dynamics", *
     """
     package = extras.module("casadi", extra=extras.CASADI)
     source = _source(model, name, with_derivatives=True)
-    if reason := other_numbers(source):
+    if reason := ARTIFACTS["casadi"].refusal_of_language(source.target) or other_numbers(source):
         raise OptionError(f"casadi: {reason}")
     wanted = _wanted(source, name).name
     facade = Facade(f"{source.model.name}_casadi", {file_name(source): casadi(source)[file_name(source)]})

@@ -219,6 +219,7 @@ def test_the_compiler_of_nvidia_and_random_trees(seed, architecture):
         ({"tier": Variant(machine="multiversioned")}, "machine 'multiversioned' is a choice of processors"),
         ({"batches": False}, "its functions are for many states"),
         ({"outputs": ["rollout_rk4"]}, "it has no rollout_rk4. Make the steps in a kernel"),
+        ({"artifacts": ["fmi3"]}, r"fmi3: it is for C, not for cuda\. Leave it out, or leave out the target"),
         ({"artifacts": ["rust"]}, r"rust: it is for C, not for cuda\. Leave it out, or leave out the target"),
     ],
 )

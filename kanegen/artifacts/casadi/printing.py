@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from kanegen.artifacts.artifact import not_in_c
 from kanegen.artifacts.casadi.functions import SUFFIX, CasadiFunction, Matrix, casadi_functions
 from kanegen.artifacts.casadi.sources import differentiable
 from kanegen.c.context import Context
@@ -97,8 +96,6 @@ def refusal(source: Source) -> str:
 
 def other_numbers(source: Source) -> str:
     """Return why CasADi cannot pass its arrays to the functions of `source`, "" if it can."""
-    if why := not_in_c(source):
-        return why
     arrays = formats(source.variant)
     if arrays.storage is not DOUBLE:
         return (

@@ -15,7 +15,6 @@ from itertools import pairwise
 from typing import Any
 
 from kanegen import __version__
-from kanegen.artifacts.artifact import not_in_c
 from kanegen.artifacts.fmi.calls import (
     LOADS,
     OF_LOADS,
@@ -65,8 +64,6 @@ def usual_outputs(system: System) -> tuple[str, ...]:
 
 def refusal(source: Source) -> str:
     """Return why `source` cannot become an FMU, "" if it can."""
-    if why := not_in_c(source):
-        return why
     found = formats(source.variant)
     types = {found.storage.c_type, found.parameters.c_type if source.model.parameters else "double"}
     if types != {"double"}:

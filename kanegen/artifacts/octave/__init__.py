@@ -13,7 +13,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from kanegen.artifacts.artifact import not_in_c
 from kanegen.artifacts.loads import unloaded_rows, with_rows_read
 from kanegen.artifacts.statuses import Requirement, requirements
 from kanegen.c.declarations import contacts, reactions
@@ -101,8 +100,6 @@ def octave(source: Source) -> dict[str, str]:
 
 def refusal(source: Source) -> str:
     """Return why there is no mex file of `source`, "" if there is."""
-    if why := not_in_c(source):
-        return why
     arrays = formats(source.variant)
     foreign = [one.name for one in (arrays.storage, arrays.parameters) if one.c_type not in CLASSES]
     if foreign:

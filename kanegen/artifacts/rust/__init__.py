@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any
 
 from kanegen import __version__
-from kanegen.artifacts.artifact import not_in_c
 from kanegen.artifacts.loads import with_rows_read
 from kanegen.artifacts.rust.arguments import (
     PAIR,
@@ -66,8 +65,6 @@ def rust(source: Source) -> dict[str, str]:
 
 def refusal(source: Source) -> str:
     """Return why there is no crate of `source`, "" if there is."""
-    if why := not_in_c(source):
-        return why
     model_formats = formats(source.variant)
     arrays = {array.name for function in source.functions for array in (*function.inputs, *function.outputs)}
     kinds = {model_formats.of(name) for name in arrays if name != PREPARED}
