@@ -32,7 +32,6 @@ def _variables(source: Source) -> Context:
     described = {one.name: one.doc for one in source.functions}
     described |= {one.name: one.doc for one in source.rollouts}
     return variables | {
-        "operations": [(number, _kind(kind, number)) for kind, number in variables["operations"]],
         "next_steps": list(source.next_steps.items()),
         "integrators": [(name, described[name]) for name in source.integrators],
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
@@ -42,13 +41,6 @@ def _variables(source: Source) -> Context:
         "headers": [name for files in source.beside.values() for name in files if _is_header(name)],
         "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],
     }
-
-
-def _kind(kind: str, number: int) -> str:
-    """Return the noun of a kind of operations for their number, such as "addition or subtraction" for 1."""
-    if number != 1:
-        return kind
-    return " or ".join(noun.removesuffix("s") for noun in kind.split(" and ")) if "of" not in kind else kind
 
 
 def _is_header(name: str) -> bool:

@@ -18,6 +18,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import WIDTH
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
+from kanegen.errors import counted
 from kanegen.model.quoting import c_comment
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
@@ -27,16 +28,16 @@ Context = dict[str, Any]
 """Variables of a template by name."""
 
 OPERATIONS = {
-    "add": "additions and subtractions",
-    "multiply": "multiplications",
-    "divide": "divisions",
-    "sqrt": "square roots",
-    "sincos": "sines and cosines",
-    "compare": "comparisons",
-    "function": "calls of exp, log, tanh and atan2",
-    "prepare": "operations of the parameter-only step",
+    "add": ("addition or subtraction", "additions and subtractions"),
+    "multiply": ("multiplication", "multiplications"),
+    "divide": ("division", "divisions"),
+    "sqrt": ("square root", "square roots"),
+    "sincos": ("sine or cosine", "sines and cosines"),
+    "compare": ("comparison", "comparisons"),
+    "function": ("call of exp, log, tanh or atan2", "calls of exp, log, tanh and atan2"),
+    "prepare": ("operation of the parameter-only step", "operations of the parameter-only step"),
 }
-"""Descriptions of the kinds of operations in `Source.operations`."""
+"""Descriptions of one and of several operations of each kind in `Source.operations`."""
 
 _NAMES = (
     "The functions have the names of those in double precision, so a program can use only one of the two."
@@ -174,9 +175,11 @@ def _loaded_rows(entries: Iterable[tuple[str, ...]], loaded: Sequence[bool]) -> 
     return [(row, *entry) for row, (entry, is_loaded) in rows if is_loaded]
 
 
-def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
-    """Return the name and the number of each kind of operation."""
-    return [(OPERATIONS[kind], number) for kind, number in counts.items() if number or kind != PREPARE]
+def _operations(counts: Mapping[str, int]) -> list[str]:
+    """Return the number and the name of each kind of operation."""
+    return [
+        counted(number, *OPERATIONS[kind]) for kind, number in counts.items() if number or kind != PREPARE
+    ]
 
 
 def _listed(texts: Sequence[str]) -> list[str]:

@@ -13,15 +13,15 @@ from kanegen.pictures.html import code, folded, python, sentence, shown, table
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED
 
 _WORDS = {
-    "add": "additions",
-    "multiply": "multiplications",
-    "divide": "divisions",
-    "sqrt": "square roots",
-    "sincos": "sines with cosines",
-    "compare": "comparisons",
-    "function": "calls of functions",
+    "add": ("addition",),
+    "multiply": ("multiplication",),
+    "divide": ("division",),
+    "sqrt": ("square root",),
+    "sincos": ("sine with cosine", "sines with cosines"),
+    "compare": ("comparison",),
+    "function": ("call of a function", "calls of functions"),
 }
-"""Kinds of operations in words."""
+"""Kinds of operations in words: for one, and for several where these have no s at the end alone."""
 
 
 def source_html(
@@ -68,7 +68,7 @@ def variant_words(variant: Variant) -> str:
 def operation_words(operations: Mapping[str, int]) -> str:
     """Return the numbers of operations of one evaluation that are not zero, in words."""
     counts = [
-        f"{count} {_WORDS.get(kind, kind)}" for kind, count in operations.items() if count and kind != PREPARE
+        counted(number, *_WORDS[kind]) for kind, number in operations.items() if number and kind != PREPARE
     ]
     prepared = operations.get(PREPARE, 0)
     once = f"; {prepared} more run once for each set of parameters" if prepared else ""
