@@ -23,14 +23,18 @@ ALIKE = 0.65
 def did_you_mean(word: object, known: Iterable[str]) -> str:
     """Return a sentence that names the known word of which `word` is a misspelt form, or else all of them.
 
+    Where several are equally near it names each of these, of vjp, jvp and hvp for vpj those with its letters.
+
     Names that differ in a number, such as theta4 and theta3, or in a whole part, such as forward_dynamics and
     inverse_dynamics, mean different things, so neither is proposed for the other.
     """
-    words = list(known)
+    words = list(dict.fromkeys(known))
     text = word if isinstance(word, str) else quoted(word)
-    near = max(((_likeness(text, one), one) for one in words), default=(0.0, ""), key=lambda pair: pair[0])
-    if near[0]:
-        return f"Did you mean {quoted(near[1])}?"
+    likenesses = [_likeness(text, one) for one in words]
+    if nearest := max(likenesses, default=0.0):
+        near = [one for one, likeness in zip(words, likenesses, strict=True) if likeness == nearest]
+        near = [one for one in near if sorted(one) == sorted(text)] or near
+        return f"Did you mean {' or '.join(map(quoted, near))}?"
     part_of = sorted((one for one in words if _is_part(text, one)), key=len)
     if part_of and all(_is_part(part_of[0], one) for one in part_of[1:]):
         return f"Did you mean {quoted(part_of[0])}?"

@@ -56,5 +56,7 @@ def test_other_quantities_are_not_proposed(word: str, known: list[str]) -> None:
 
 def test_the_nearest_is_proposed() -> None:
     assert did_you_mean("shouldr_pan", ["shoulder_pan", "shoulder_pin"]) == "Did you mean 'shoulder_pan'?"
+    assert did_you_mean("forcing_vpj", OUTPUTS) == "Did you mean 'forcing_jvp' or 'forcing_vjp'?"
+    assert did_you_mean("pen", ["pan", "pin", "pot"]) == "Did you mean 'pan' or 'pin'?"
     assert did_you_mean("knee", ["left.knee", "left.hip"]) == "Did you mean 'left.knee'?"
     assert did_you_mean("ellbow", []) == "None is known."

@@ -29,6 +29,7 @@ from kanegen.program.passes.prune import prune
 from kanegen.recursion import RecursiveForm
 from kanegen.recursion.factorisation import carriers
 from kanegen.recursion.outputs import OUTPUTS, SECOND_DERIVATIVES, Derivative, argument_arrays
+from kanegen.recursion.solution_derivatives import flying_bodies, locking_bodies
 
 Pair = tuple[int, int]
 """Places of two variables, the earlier first."""
@@ -77,9 +78,7 @@ def _differentiates_solver(system: System) -> bool:
     So it is where three angles of a joint can reach gimbal lock, next to which a product with [A]^-1 loses
     digits that {ydot} has, and where several bodies translate freely and rotate.
     """
-    joints = [body.joint for body in system.bodies]
-    may_lock = any(joint.speeds_are_rates and all(joint.free[:3]) for joint in joints)
-    return may_lock or sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints) > 1
+    return bool(locking_bodies(system)) or len(flying_bodies(system)) > 1
 
 
 def _first_derivatives(*, of_solution: bool, solved: bool) -> list[str]:

@@ -103,6 +103,18 @@ class _Factors:
     factors: Mapping[tuple[int, int], Expr]
 
 
+def flying_bodies(system: System) -> list[int]:
+    """Return the numbers of the bodies that translate freely, and rotate, relative to their lower bodies."""
+    joints = [body.joint for body in system.bodies]
+    return [k for k, one in enumerate(joints, start=1) if all(one.free[3:]) and any(one.free[:3])]
+
+
+def locking_bodies(system: System) -> list[int]:
+    """Return the numbers of the bodies whose joints have three angles, which can reach gimbal lock."""
+    joints = [body.joint for body in system.bodies]
+    return [k for k, one in enumerate(joints, start=1) if one.speeds_are_rates and all(one.free[:3])]
+
+
 def has_parts_of_derivatives(system: System) -> bool:
     """Return whether derivatives of {ydot} are made from parts of their own instead of its solver.
 
@@ -110,14 +122,14 @@ def has_parts_of_derivatives(system: System) -> bool:
     it alone is accurate next to gimbal lock, where springs or loads act on points or rotors spin, and for
     angles that have armature or couplings.
     """
-    bodies = [(k, body.lower, body.joint) for k, body in enumerate(system.bodies, start=1)]
-    flying = [(k, lower) for k, lower, joint in bodies if all(joint.free[3:]) and any(joint.free[:3])]
-    locking = [k for k, _, joint in bodies if joint.speeds_are_rates and all(joint.free[:3])]
+    flying, locking = flying_bodies(system), locking_bodies(system)
     if not (locking or flying):
         return True
     coupled = {freedom.body for freedom in system.in_couplings}
-    bound = {k for k, _, joint in bodies if k in coupled or any(joint.armature) or not all(joint.free[:3])}
-    if len(flying) > 1 or any(lower or k in bound for k, lower in flying) or bound.intersection(locking):
+    joints = {k: body.joint for k, body in enumerate(system.bodies, start=1)}
+    bound = {k for k, one in joints.items() if k in coupled or any(one.armature) or not all(one.free[:3])}
+    is_based = all(k not in bound and not system.bodies[k - 1].lower for k in flying)
+    if len(flying) > 1 or not is_based or bound.intersection(locking):
         return False
     loaded = any(point.loads for _, point in system.points)
     loaded |= any(isinstance(element, Spring | PointLoad) for element in system.force_elements)
