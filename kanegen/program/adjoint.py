@@ -8,6 +8,9 @@ ones have adjoints. Adjoints are values like all others, so later passes share, 
 A branch of a condition that is not taken may be undefined, such as 1/x where x is 0, and a product with it
 would be undefined, too. So the adjoint of a value in a branch remembers the condition, and becomes 0 where
 the branch is not taken only in the last moment, where it is added to others.
+
+The components of a vector that is turned in a plane have one another as derivatives by the angle. So each
+adds one product to the adjoint of the angle, and nothing to those of its cosine and sine.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from itertools import takewhile
 from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
+from kanegen.program.plane_rotations import plane_rotations
 from kanegen.program.selection import dependencies
 from kanegen.program.tangent import slope_of_tanh
 
@@ -131,6 +135,7 @@ class _Sweep:
             builder.constant(constants.quotient(*pair)) for pair in ((0, 1), (1, 2), (1, 1))
         )
         self._shares: dict[int, dict[Branches, list[int]]] = {}
+        self._rotations = plane_rotations(program)
         self._divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
 
     def add(self, share: Share) -> None:
@@ -170,6 +175,9 @@ class _Sweep:
         values = [self._moved[j] for j in x.operands]
         if x.op in (Op.MIN, Op.MAX, Op.SELECT):
             yield from self._of_choice(x, values, branches, adjoint)
+        elif i in self._rotations:
+            for j, value in self._of_rotation(i, adjoint):
+                yield j, branches, value
         elif x.op is Op.SQRT and i not in self._divisors:
             for j, value in self._of_root(x.operands[0], self._moved[i], adjoint):
                 yield j, branches, value
@@ -229,6 +237,15 @@ class _Sweep:
                 return make.multiply(slope_of_tanh(make, self._one, a), adjoint)
         assert op is Op.COS
         return make.negate(make.multiply(make.function(Op.SIN, a), adjoint))
+
+    def _of_rotation(self, i: int, adjoint: int) -> Iterator[tuple[int, int]]:
+        """Yield the shares of the angle and the numbers that a component of a turned vector is made of."""
+        make = self._builder
+        one, slope, sign = self._rotations[i]
+        factors = (one.angle, slope, sign), (one.a, one.cosine, one.signs[0]), (one.b, one.sine, one.signs[1])
+        for j, factor, its_sign in factors:
+            share = make.multiply(self._moved[factor], adjoint)
+            yield j, share if its_sign > 0 else make.negate(share)
 
     def _of_root(self, radicand: int, root: int, adjoint: int) -> Iterator[tuple[int, int]]:
         """Yield the shares of the terms whose sum has the root, and of factors of these.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+from math import prod
 from typing import Any
 
 import mpmath
@@ -13,6 +15,7 @@ from kanegen.program.builder import Builder
 from kanegen.program.constants import DOUBLE_CONSTANTS
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import ARITY, Op, Output, Program
+from kanegen.program.plane_rotations import plane_rotations
 from tests.support.handmade import Listing, array
 
 SIZE = 3
@@ -90,6 +93,30 @@ def test_every_operation_against_a_difference(op: Op) -> None:
             ends.append(evaluate(program, {"x": moved}, digits, digits.mpf)["f"][0])
         slope = (ends[0] - ends[1]) / (2 * step)
         assert float(slope) == pytest.approx(found[place], rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.parametrize("signs", list(product((1, -1), repeat=4)))
+def test_turned_vectors_have_each_other_as_slopes(signs: tuple[int, ...]) -> None:
+    """The angle x[0] + x[0] turns (x[1], x[2]) in either sense; both components may be negative."""
+    code = Listing()
+    angle, first, second = (code.read("x", i) for i in range(SIZE))
+    angle = code(Op.ADD, angle, angle)
+    cosine, sine = code(Op.COS, angle), code(Op.SIN, angle)
+    products = [
+        code(Op.MULTIPLY, *pair)
+        for pair in ((cosine, first), (second, sine), (sine, first), (second, cosine))
+    ]
+    signed = [one if sign > 0 else code(Op.NEGATE, one) for one, sign in zip(products, signs, strict=True)]
+    values = [code(Op.ADD, *signed[:2]), code(Op.SUBTRACT, *signed[3:1:-1])]
+    program = code.program([array("x", SIZE)], {array("f", 2): values})
+    x, weights = [0.4, 1.3, -0.7], [0.3, 0.9]
+    c, s = np.cos(2 * x[0]), np.sin(2 * x[0])
+    a, b = x[1:]
+    slopes = np.array([[-2 * s * a, c, 0], [2 * c * b, 0, s], [2 * c * a, s, 0], [-2 * s * b, 0, c]])
+    slopes *= np.array(signs)[:, None]
+    expected = weights @ np.array([slopes[0] + slopes[1], slopes[3] - slopes[2]])
+    assert by_reverse(program, x, weights) == pytest.approx(expected, rel=1e-15)
+    assert set(plane_rotations(program)) == (set(values) if prod(signs) > 0 else set())
 
 
 def test_a_branch_that_is_not_taken_leaves_no_trace() -> None:

@@ -153,7 +153,7 @@ def test_arrays_and_columns() -> None:
         assert array.shape == ((width,) if kind.is_weighted else (len(system.freedoms),))
 
 
-@pytest.mark.parametrize("name", slow_except(("ur5", "panda", "hyq", "talos_reduced"), "ur5"))
+@pytest.mark.parametrize("name", slow_except(("ur5", "panda", "hyq", "talos_reduced", "eight_body"), "ur5"))
 def test_the_cost_of_gradients_and_of_products_with_hessians(name: str) -> None:
     """With the value of {ydot}, at most 2.4 and 6.5 times the operations of {ydot} alone."""
     ratios = products(models.system(name))
