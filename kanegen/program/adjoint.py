@@ -241,11 +241,9 @@ class _Sweep:
     def _of_rotation(self, i: int, adjoint: int) -> Iterator[tuple[int, int]]:
         """Yield the shares of the angle and the numbers that a component of a turned vector is made of."""
         make = self._builder
-        one, slope, sign = self._rotations[i]
-        factors = (one.angle, slope, sign), (one.a, one.cosine, one.signs[0]), (one.b, one.sine, one.signs[1])
-        for j, factor, its_sign in factors:
-            share = make.multiply(self._moved[factor], adjoint)
-            yield j, share if its_sign > 0 else make.negate(share)
+        for j, slope, sign in self._rotations[i].slopes:
+            share = make.multiply(self._moved[slope], adjoint)
+            yield j, share if sign > 0 else make.negate(share)
 
     def _of_root(self, radicand: int, root: int, adjoint: int) -> Iterator[tuple[int, int]]:
         """Yield the shares of the terms whose sum has the root, and of factors of these.

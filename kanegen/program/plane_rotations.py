@@ -7,50 +7,36 @@ which is the other component of the turned vector. Where a program has that one,
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from kanegen.program.ir import Op, Program
 
+Slope = tuple[int, int, int]
+"""An instruction, and the one whose value, times the sign 1 or -1, is the derivative by it."""
+
 
 @dataclass(frozen=True)
-class Component:
-    """The sum of two products, which nothing else uses, with the cosine and with the sine of an angle.
+class PlaneRotation:
+    """A component of a turned vector.
 
     Attributes:
-        angle: The instruction of the angle.
-        cosine: Instruction of its cosine.
-        sine: Instruction of its sine.
-        a: Instruction of the number that is multiplied by the cosine.
-        b: That of the number that is multiplied by the sine.
-        signs: Signs of the two products in the sum, 1 or -1.
+        slopes: The two numbers that are turned, and the angle, with the derivatives of the component by them.
+        products: The instructions of the products, and of their negatives, that nothing else uses.
     """
 
-    angle: int
-    cosine: int
-    sine: int
-    a: int
-    b: int
-    signs: tuple[int, int]
-
-    @property
-    def key(self) -> tuple[int, int, int, int]:
-        """What this component has in common with its negative."""
-        return self.angle, self.a, self.b, self.signs[0] * self.signs[1]
-
-    @property
-    def key_of_slope(self) -> tuple[int, int, int, int]:
-        """The key of its derivative by the angle."""
-        return self.angle, self.b, self.a, -self.signs[0] * self.signs[1]
+    slopes: tuple[Slope, Slope, Slope]
+    products: tuple[int, ...]
 
 
-def plane_rotations(program: Program) -> dict[int, tuple[Component, int, int]]:
-    """Return the components of turned vectors whose derivatives by the angle are in the program.
+def plane_rotations(program: Program) -> dict[int, PlaneRotation]:
+    """Return the components of turned vectors whose derivatives by the angle are in a program.
 
     Args:
-        program: A program in which equal values are one instruction.
+        program: The program; what it computes twice is not found.
 
     Returns:
-        By instruction the component, the instruction of its derivative, and the sign of that, 1 or -1.
+        The components by instruction.
     """
     uses = Counter(j for x in program.instructions for j in x.operands)
     uses.update(value for output in program.outputs for value in output.values)
@@ -58,27 +44,13 @@ def plane_rotations(program: Program) -> dict[int, tuple[Component, int, int]]:
     places = {one.key: i for i, one in components.items()}
     found = {}
     for i, one in components.items():
-        slope = places.get(one.key_of_slope)
-        if slope is not None:
-            found[i] = one, slope, one.signs[1] * components[slope].signs[0]
+        other = places.get(one.key_of_slope)
+        if other is not None:
+            of_angle = one.angle, other, one.sine.sign * components[other].cosine.sign
+            found[i] = PlaneRotation(
+                (one.cosine.slope, one.sine.slope, of_angle), (*one.cosine.products, *one.sine.products)
+            )
     return found
-
-
-def _component(program: Program, i: int, uses: Counter[int]) -> Component | None:
-    """Return the component that an instruction computes, None for any other instruction."""
-    x = program.instructions[i]
-    if x.op not in (Op.ADD, Op.SUBTRACT):
-        return None
-    first, second = (_Product.all_of(program, j, uses) for j in x.operands)
-    second_sign = 1 if x.op is Op.ADD else -1
-    for one in first:
-        for other in second:
-            if one.angle == other.angle and one.op is not other.op:
-                pair = one, replace(other, sign=second_sign * other.sign)
-                cosine, sine = pair if one.op is Op.COS else reversed(pair)
-                factors = cosine.factor, sine.factor, cosine.number, sine.number
-                return Component(one.angle, *factors, (cosine.sign, sine.sign))
-    return None
 
 
 @dataclass(frozen=True)
@@ -90,7 +62,8 @@ class _Product:
         angle: The instruction of the angle.
         factor: That of the cosine or sine.
         number: That of the number.
-        sign: Sign of the product, 1 or -1.
+        sign: Sign of the product in a sum, 1 or -1.
+        products: The instructions of the product and of its negative.
     """
 
     op: Op
@@ -98,16 +71,60 @@ class _Product:
     factor: int
     number: int
     sign: int
+    products: tuple[int, ...]
 
-    @classmethod
-    def all_of(cls, program: Program, i: int, uses: Counter[int]) -> list[_Product]:
-        """Return an instruction as a cosine or sine times a number, in all ways, if it is used once."""
-        x, sign = program.instructions[i], 1
-        while x.op is Op.NEGATE and uses[i] == 1:
-            i, sign = x.operands[0], -sign
-            x = program.instructions[i]
-        if x.op is not Op.MULTIPLY or uses[i] > 1:
-            return []
-        ways = x.operands, x.operands[::-1]
-        turning = [(program.instructions[factor], factor, number) for factor, number in ways]
-        return [cls(y.op, y.operands[0], k, m, sign) for y, k, m in turning if y.op in (Op.COS, Op.SIN)]
+    @property
+    def slope(self) -> Slope:
+        """The derivative of the sum by the number."""
+        return self.number, self.factor, self.sign
+
+
+@dataclass(frozen=True)
+class _Component:
+    """The sum of a product with the cosine and one with the sine of an angle."""
+
+    cosine: _Product
+    sine: _Product
+
+    @property
+    def angle(self) -> int:
+        """The instruction of the angle."""
+        return self.cosine.angle
+
+    @property
+    def key(self) -> tuple[int, int, int, int]:
+        """What the component has in common with its negative alone."""
+        return self.angle, self.cosine.number, self.sine.number, self.cosine.sign * self.sine.sign
+
+    @property
+    def key_of_slope(self) -> tuple[int, int, int, int]:
+        """The key of its derivative by the angle."""
+        return self.angle, self.sine.number, self.cosine.number, -self.cosine.sign * self.sine.sign
+
+
+def _component(program: Program, i: int, uses: Counter[int]) -> _Component | None:
+    """Return the component that an instruction computes, None for any other instruction."""
+    x = program.instructions[i]
+    if x.op not in (Op.ADD, Op.SUBTRACT):
+        return None
+    j, k = x.operands
+    for one in _products(program, j, uses):
+        for other in _products(program, k, uses):
+            if one.angle == other.angle and one.op is not other.op:
+                second = replace(other, sign=-other.sign) if x.op is Op.SUBTRACT else other
+                return _Component(one, second) if one.op is Op.COS else _Component(second, one)
+    return None
+
+
+def _products(program: Program, i: int, uses: Counter[int]) -> Iterator[_Product]:
+    """Yield an instruction that is used once as a cosine or sine times a number, in all ways."""
+    x, sign = program.instructions[i], 1
+    products: tuple[int, ...] = (i,)
+    while x.op is Op.NEGATE and uses[i] == 1:
+        i, sign = x.operands[0], -sign
+        x, products = program.instructions[i], (*products, i)
+    if x.op is Op.MULTIPLY and uses[i] == 1:
+        for factor, number in (x.operands, x.operands[::-1]):
+            y = program.instructions[factor]
+            if y.op in (Op.COS, Op.SIN):
+                yield _Product(y.op, y.operands[0], factor, number, sign, products)

@@ -2,7 +2,8 @@
 
 Every value carries its derivatives in the directions that it depends on, and no others: derivatives that are
 zero are never written down (Griewank and Walther 2008, chapters 3 and 7). Derivatives are values like all
-others, so later passes share, fold and factor them.
+others, so later passes share, fold and factor them. A component of a vector that is turned in a plane has the
+other component as its derivative by the angle.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
+from kanegen.program.plane_rotations import PlaneRotation, plane_rotations
 from kanegen.program.selection import dependencies
 
 FIRST_DIFFERENTIATED = {Op.SIGN: 1, Op.SELECT: 1}
@@ -41,7 +43,8 @@ def tangents(
         constants: The arithmetic of constants.
 
     Returns:
-        Tangents by instruction, for all instructions that the wanted ones depend on.
+        Tangents by instruction, for all instructions that the wanted ones depend on, but for products whose
+        sums are components of turned vectors.
     """
     one = builder.constant(constants.quotient(1, 1))
     seeds = {i: {direction: one} for i, direction in directions.items()}
@@ -74,13 +77,21 @@ def seeded_tangents(
     Returns:
         Tangents by instruction, as those of `tangents`.
     """
-    rules = _Rules(builder, constants)
+    rules, rotations = _Rules(builder, constants), plane_rotations(program)
+    rotations = {i: one for i, one in rotations.items() if seeds.keys().isdisjoint(one.products)}
+    products = {product for one in rotations.values() for product in one.products}
     divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
     found: dict[int, Tangent] = {}
     for i in dependencies(program, wanted):
         instruction = program.instructions[i]
         if i in seeds:
             found[i] = dict(seeds[i])
+            continue
+        if i in products:
+            continue
+        if i in rotations:
+            turned = rules.of_rotation(rotations[i], moved, found).items()
+            found[i] = {k: _named(builder, value, instruction, mark.format(k)) for k, value in turned}
             continue
         inner = [found[j] for j in instruction.operands]
         values = [moved[j] for j in instruction.operands]
@@ -163,6 +174,27 @@ class _Rules:
             return self._of_arctangent(a, more[0], da, db)
         assert da is not None
         return self._of_one(op, value, a, da)
+
+    def of_rotation(
+        self, rotation: PlaneRotation, moved: Mapping[int, int], found: Mapping[int, Tangent]
+    ) -> Tangent:
+        """Return the derivatives of a component of a turned vector, by direction.
+
+        Args:
+            rotation: The component.
+            moved: Value in the builder of each instruction of the program.
+            found: Tangents of the numbers that are turned and of the angle.
+        """
+        make, result = self._builder, dict[int, int]()
+        for i, slope, sign in rotation.slopes:
+            for direction, change in found[i].items():
+                share = make.multiply(moved[slope], change)
+                if direction not in result:
+                    result[direction] = share if sign > 0 else make.negate(share)
+                else:
+                    combine = make.add if sign > 0 else make.subtract
+                    result[direction] = combine(result[direction], share)
+        return result
 
     def derivative_of_root(self, value: int, da: int | None) -> int:
         """Return the derivative of a square root, 0 where its operand does not change.

@@ -114,8 +114,10 @@ def test_turned_vectors_have_each_other_as_slopes(signs: tuple[int, ...]) -> Non
     a, b = x[1:]
     slopes = np.array([[-2 * s * a, c, 0], [2 * c * b, 0, s], [2 * c * a, s, 0], [-2 * s * b, 0, c]])
     slopes *= np.array(signs)[:, None]
-    expected = weights @ np.array([slopes[0] + slopes[1], slopes[3] - slopes[2]])
-    assert by_reverse(program, x, weights) == pytest.approx(expected, rel=1e-15)
+    by_value = np.array([slopes[0] + slopes[1], slopes[3] - slopes[2]])
+    assert by_reverse(program, x, weights) == pytest.approx(weights @ by_value, rel=1e-15)
+    along = evaluate(tangent(program, 2), {"x": x, "d": [0.5, -2.0, 0.25]}, np)["f"]
+    assert along == pytest.approx(by_value @ [0.5, -2.0, 0.25], rel=1e-15)
     assert set(plane_rotations(program)) == (set(values) if prod(signs) > 0 else set())
 
 
