@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 import kanegen as kg
 from benchmarks.embedding import arm
 from benchmarks.embedding.alone import in_c
@@ -15,7 +17,7 @@ STATES = 1000
 
 
 def measure() -> list[Row]:
-    """Measure accelerations of panda_arm, and a gradient beside the C of its derivatives.
+    """Measure accelerations of panda_arm, and a gradient beside the C of both.
 
     Raises:
         MissingError: If PyTorch is not installed.
@@ -33,14 +35,14 @@ def measure() -> list[Row]:
 
     alone = in_c(source, "forward_dynamics", one)
     batch = in_c(source, "forward_dynamics", many, states=STATES)
-    both = [alone, in_c(source, "forward_dynamics_derivatives", one)]
+    both = [alone, in_c(source, "forward_dynamics_vjp", {**one, "weights": np.ones(panda.library.n)})]
     turns = {
         f"operator, {arm.WHAT}": (alone, lambda: turn_of(lambda: panda.forward_dynamics(*tensors))),
         f"operator, {STATES} states, {arm.WHAT}": (
             batch,
             lambda: turn_of(lambda: panda.forward_dynamics(*at_once)),
         ),
-        f"gradient, {arm.WHAT} and its derivatives": (
+        f"gradient, {arm.WHAT} and `forward_dynamics_vjp`": (
             lambda: sum(turn() for turn in both),
             lambda: turn_of(gradient),
         ),

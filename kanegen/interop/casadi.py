@@ -28,20 +28,23 @@ from kanegen.choices import require_one
 from kanegen.compiler import generate
 from kanegen.errors import OptionError, quoted
 from kanegen.interop.casadi_expressions import expressions
+from kanegen.interop.products import ALONG, GRADIENT, products_of
 from kanegen.library.library import Library
 from kanegen.library.native.build import build
 from kanegen.library.native.facade import Facade
 from kanegen.model.system import System
-from kanegen.recursion.outputs import DIFFERENTIATED, INTEGRATORS, OUTPUTS, RATES
+from kanegen.recursion.outputs import DIFFERENTIATED, INTEGRATORS, OUTPUTS, PRODUCTS, RATES
 
 
 def function(model: System | Source | Library, name: str = "forward_dynamics", **options: Any) -> Any:
     """Return a compiled function of CasADi that computes an output, a step or the rates of a state.
 
-    Its Jacobian is exact where there is an output `<name>_derivatives`, and where a method of steps has
-    derivatives; CasADi makes forward and reverse derivatives of it. There are no second derivatives: a solver
-    that needs the Hessian of the Lagrangian approximates it, as Ipopt does with
-    `hessian_approximation="limited-memory"`; or take `expression`.
+    Its derivatives are exact. CasADi gets the Jacobian where there is an output `<name>_derivatives`, and
+    where a method of steps has derivatives. For forward and inverse dynamics, forcing and `ode` it gets
+    derivatives along one direction and gradients as well, from the outputs `<name>_jvp` and `<name>_vjp`, for
+    a few evaluations of the function; and second derivatives, as Ipopt needs for exact Hessians, if the
+    source has `<name>_hvp`. Other functions have no second derivatives: a solver approximates the Hessian, as
+    Ipopt does with `hessian_approximation="limited-memory"`; or take `expression`.
 
     Arguments have the names of the arrays in C, such as `x`, `y`, `tau`. CasADi takes all of them in order,
     or some by name: loads and generalized forces that are left out are then 0, and run-time parameters have
@@ -53,7 +56,8 @@ def function(model: System | Source | Library, name: str = "forward_dynamics", *
             library, from whose source the function is made.
         name: Name of an output, such as "forward_dynamics", of a step, such as "step_rk4", or "ode": {xdot}
             and {ydot} of a state.
-        options: Options of `casadi.external`.
+        options: Options of `casadi.external`. By default `jac_penalty` is such that CasADi takes the Jacobian
+            where it costs fewer operations than derivatives along single directions.
 
     Returns:
         A `casadi.Function`. It is bound to a file in the cache of kanegen; make it anew on another machine.
@@ -75,6 +79,8 @@ def function(model: System | Source | Library, name: str = "forward_dynamics", *
         raise OptionError(f"casadi: {reason}")
     wanted = _wanted(source, name).name
     facade = Facade(f"{source.model.name}_casadi", {file_name(source): casadi(source)[file_name(source)]})
+    if (penalty := _penalty(source, name)) is not None:
+        options = {"jac_penalty": penalty, **options}
     return package.external(wanted, str(build(source, facade=facade)), options)
 
 
@@ -119,6 +125,30 @@ def expression(model: System | Source | Library, name: str = "forward_dynamics",
     return package.Function(name, inputs, outputs, *names, options)
 
 
+def _penalty(source: Source, name: str) -> float | None:
+    """Return CasADi's option `jac_penalty`, None where there is no choice.
+
+    CasADi takes the whole Jacobian where it needs more weighted sums than this option times the number of
+    results, or as many directions, and products with derivatives where it needs fewer. By its default value
+    it would take up to twice as many products as there are results, whatever they cost.
+
+    Args:
+        source: The source.
+        name: Name of the function.
+    """
+    is_ode = name == ODE
+    if source.mass_matrix_pattern or (is_ode and not source.model.speeds_are_rates):
+        return None
+    products, _ = products_of(source).get(RATES[0] if is_ode else name, (None, None))
+    if products is None or not (products.jacobian and products.operations):
+        return None
+    functions = (products.functions[form] for form in (ALONG, GRADIENT) if form in products.functions)
+    each = max((products.operations[one] for one in functions), default=0)
+    whole = sum(products.operations[one.function] for one in products.jacobian)
+    results = products.rows * (1 + is_ode)
+    return max(whole / each, 1.0) / results if each else None
+
+
 def _wanted(source: Source, name: str) -> CasadiFunction:
     """Return a function that a source gives.
 
@@ -136,7 +166,7 @@ def _wanted(source: Source, name: str) -> CasadiFunction:
 
 
 def outputs_needed(system: System, name: str) -> tuple[str, ...]:
-    """Return the outputs of a source that gives a function and its Jacobian.
+    """Return the outputs of a source that gives a function, its Jacobian, and derivatives along directions.
 
     Args:
         system: The system.
@@ -147,7 +177,7 @@ def outputs_needed(system: System, name: str) -> tuple[str, ...]:
 
     Example:
         >>> outputs_needed(system, "ode")
-        ('forward_dynamics', 'forward_dynamics_derivatives')
+        ('forward_dynamics', 'forward_dynamics_derivatives', 'forward_dynamics_vjp', 'forward_dynamics_jvp')
     """
     steps = [method.functions[0] for method in {one.name: one for one in INTEGRATORS.values()}.values()]
     require_one("function", name, (*(one for one in OUTPUTS if one not in DIFFERENTIATED), *steps, ODE))
@@ -156,7 +186,9 @@ def outputs_needed(system: System, name: str) -> tuple[str, ...]:
         return (name, method.derivatives) if method.has_derivatives else (name,)
     names = (name,) if name != ODE else RATES[:1] if system.speeds_are_rates else RATES
     matrix = ("mass_matrix",) if name == "inverse_dynamics" else ()
-    return (*names, *(one for each in names for one in derivatives(system, each)), *matrix)
+    products = [one for each in names for one in (f"{each}_vjp", f"{each}_jvp") if one in PRODUCTS]
+    directional = products if len(names) == 1 else []
+    return (*names, *(one for each in names for one in derivatives(system, each)), *matrix, *directional)
 
 
 def _source(model: System | Source | Library, name: str, *, with_derivatives: bool) -> Source:

@@ -9,7 +9,7 @@ from kanegen.c import Source
 from kanegen.errors import OptionError, quoted
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS
-from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, available, differentiates
+from kanegen.recursion.outputs import DERIVATIVES, INTEGRATORS, OUTPUTS, PRODUCTS, available, differentiates
 from kanegen.recursion.outputs.integrators import STEP
 
 _FACTORS = {
@@ -76,24 +76,61 @@ def slopes(name: str, source: Source) -> tuple[Slopes, ...]:
 
 
 def with_derivatives(system: System, outputs: Iterable[str]) -> tuple[str, ...]:
-    """Return outputs with those that give their derivatives, as far as there are any.
+    """Return outputs with those by which their callers are differentiated at the least cost.
+
+    These are products with derivatives, `<output>_vjp` for gradients and `<output>_jvp` for forward mode, and
+    where an output has none, whole derivatives, as far as there are any.
 
     Args:
         system: The tree.
         outputs: Names of outputs, and of functions that make one step.
 
     Example:
-        with_derivatives(system, ["step_rk4"])   # ("step_rk4", "step_rk4_derivatives")
+        >>> with_derivatives(system, ["forward_dynamics", "kinetic_energy"])[2:]
+        ('forward_dynamics_vjp', 'forward_dynamics_jvp', 'kinetic_energy_derivatives')
     """
     has = available(system)
     found = dict.fromkeys(outputs)
     for name in tuple(found):
-        if name in OUTPUTS:
+        if f"{name}_vjp" in has:
+            found.update(dict.fromkeys((f"{name}_vjp", f"{name}_jvp")))
+        elif name in OUTPUTS:
             matrix = _FACTORS[name][1:] if name in _FACTORS else ()
             found.update(dict.fromkeys(one for one in (*_derivatives(name), *matrix) if one in has))
         elif name in INTEGRATORS and name.startswith(STEP) and INTEGRATORS[name].has_derivatives:
             found[INTEGRATORS[name].derivatives] = None
     return tuple(found)
+
+
+def outputs_to_add(name: str, lacking: Iterable[str]) -> str:
+    """Return the end of a sentence on derivatives that a library lacks: which ones, and what helps.
+
+    Args:
+        name: Name of a function.
+        lacking: Functions that would give its derivatives.
+    """
+    whole = " and ".join(sorted(lacking))
+    if f"{name}_vjp" not in PRODUCTS:
+        return f"{whole}. Ask for it with outputs=(...)."
+    return (
+        f"{name}_vjp, which gives gradients, {name}_jvp, which gives derivatives along directions, and "
+        f"{whole}, which gives both at a higher cost. Ask for one with outputs=(...)."
+    )
+
+
+def second_derivatives(name: str) -> str:
+    """Return the end of a sentence on second derivatives that are asked for: what helps.
+
+    Args:
+        name: Name of the function that gives first derivatives, such as "forward_dynamics_derivatives".
+    """
+    product = f"{name.removesuffix('_derivatives').removesuffix('_input')}_hvp"
+    if product in PRODUCTS:
+        return f"and the library was built without {product}. Ask for it with outputs=(...)."
+    return (
+        "which are not generated. Use a method that needs first derivatives alone, such as BFGS or "
+        "Gauss-Newton."
+    )
 
 
 def _derivatives(name: str) -> tuple[str, ...]:

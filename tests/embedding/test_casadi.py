@@ -14,31 +14,21 @@ from kanegen.errors import MissingError, OptionError
 from kanegen.interop import casadi
 from kanegen.reference import equations as reference
 from tests.support import pages
-from tests.support.casadi_functions import CASES, SYSTEMS, by_reference, made
+from tests.support.casadi_functions import (
+    CASES,
+    SIZES,
+    SYSTEMS,
+    WARNINGS,
+    by_reference,
+    called,
+    inputs_of,
+    made,
+    textbook,
+)
 from tests.support.cases import slow_except
 from tests.support.paths import MODELS
 
-WARNINGS = "-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
-
 EPSILON = np.finfo(float).eps
-
-
-def inputs_of(library, seed=0):
-    """Return random values of every input by name, and those that the library takes by name."""
-    rng = np.random.default_rng(seed)
-    sizes = {array.name: array.shape for one in library.source.functions for array in one.inputs}
-    found = {name: rng.uniform(-1.0, 1.0, shape) for name, shape in sizes.items() if name != "prepared"}
-    for kind in ("body", "point"):
-        for name in {"body": ("force", "torque"), "point": ("point_force", "point_moment")}[kind]:
-            if name in found:
-                found[name][list(library.source.model.unloaded(kind))] = 0.0
-    return found | {"step": np.array(0.01)}
-
-
-def called(function, values):
-    """Return the results of a function of CasADi by name, as dense arrays."""
-    given = {name: values[name] for name in function.name_in() if name in values and name != "parameters"}
-    return {name: value.full() for name, value in function(**given).items()}
 
 
 def method(library, name, values):
@@ -201,31 +191,6 @@ def test_without_casadi(monkeypatch):
 def test_two_underscores_of_a_name_become_one():
     library = kg.build(kg.load(MODELS / "planar_pendulum.toml").with_name("arm__2_"))
     assert casadi.function(library, "mass_matrix").name() == "arm_2_casadi_mass_matrix"
-
-
-def textbook(names):
-    """Return {ydot} of the double pendulum, written by hand, as a function of CasADi.
-
-    Args:
-        names: Names of the parameters in their order.
-    """
-    x, y, tau, parameters = (ca.SX.sym(name, size) for name, size in SIZES.items())
-    by_name = dict(zip(names, ca.vertsplit(parameters), strict=True))
-    m1, m2, l1, l2, g = (by_name[name] for name in ("m1", "m2", "l1", "l2", "g"))
-    q1, q2 = ca.vertsplit(x)
-    w1, w2 = ca.vertsplit(y)
-    both = m2 * l2**2 + m2 * l1 * l2 * ca.cos(q2)
-    first = (m1 + m2) * l1**2 + both + m2 * l1 * l2 * ca.cos(q2)
-    A = ca.blockcat([[first, both], [both, m2 * l2**2]])
-    h, weight = m2 * l1 * l2 * ca.sin(q2), m2 * g * l2 * ca.sin(q1 + q2)
-    f = ca.vertcat(h * (2 * w1 * w2 + w2**2) - (m1 + m2) * g * l1 * ca.sin(q1) - weight, -h * w1**2 - weight)
-    return ca.Function(
-        "textbook", [x, y, tau, parameters], [ca.solve(A, f + tau)], [*SIZES], ["acceleration"]
-    )
-
-
-SIZES = {"x": 2, "y": 2, "tau": 2, "parameters": 5}
-"""Inputs of the double pendulum and their numbers of elements."""
 
 
 def test_derivatives_are_those_of_the_equations_of_the_textbook():

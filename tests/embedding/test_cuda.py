@@ -71,9 +71,10 @@ def test_values_and_batches(kernels: Any, on_cpu: Any, jax: Any) -> None:
 
 def test_gradients(kernels: Any, on_cpu: Any, jax: Any) -> None:
     x, y, tau = np.random.default_rng(2).normal(size=(3, 2))
-    of = [jax.jacfwd(one.forward_dynamics, argnums=(0, 1, 2))(x, y, tau) for one in (kernels, on_cpu)]
-    for found, expected in zip(*of, strict=True):
-        assert (np.asarray(found) == np.asarray(expected)).all()
+    for mode in (jax.jacfwd, jax.jacrev):
+        of = [mode(one.forward_dynamics, argnums=(0, 1, 2))(x, y, tau) for one in (kernels, on_cpu)]
+        for found, expected in zip(*of, strict=True):
+            assert (np.asarray(found) == np.asarray(expected)).all()
 
 
 def test_states_without_results_are_nan(kernels: Any) -> None:

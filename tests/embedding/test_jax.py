@@ -85,6 +85,14 @@ def pendulum() -> Any:
 
 
 @pytest.fixture(scope="module")
+def jacobians() -> Any:
+    """Functions of the double pendulum whose derivatives are whole Jacobians alone."""
+    names = ("forward_dynamics", "inverse_dynamics", "mass_matrix")
+    whole = (f"{name}_derivatives" for name in names[:2])
+    return made("double_pendulum", (*names, *whole), derivatives=False)
+
+
+@pytest.fixture(scope="module")
 def satellite() -> Any:
     return made("satellite", ("forward_dynamics", "step_rk4"))
 
@@ -176,6 +184,9 @@ def test_derivatives_of_random_trees_are_those_of_differences(seed: int, jax: An
             right = (8 * (line(h) - line(-h)) - (line(2 * h) - line(-2 * h))) / (12 * h)
             scale = np.abs(right).max() + np.abs(line(0.0)).max()
             np.testing.assert_allclose(slope, right, rtol=0, atol=1e-8 * scale, err_msg=f"{name} by {key}")
+            weights = np.random.default_rng(seed).normal(size=slope.shape)
+            (back,) = jax.vjp(line, 0.0)[1](weights)
+            np.testing.assert_allclose(back, (weights * slope).sum(), rtol=1e-12, atol=1e-12 * scale)
 
 
 def moved(function: Any, given: dict[str, Any], key: str, along: Any, h: Any) -> Any:
@@ -284,29 +295,138 @@ def test_compiled_once(pendulum: Any, jax: Any) -> None:
 # Derivatives
 
 
-def test_both_modes_give_the_generated_derivatives(satellite: Any, pendulum: Any, jax: Any) -> None:
-    for functions, name in (
-        (satellite, "forward_dynamics"),
-        (pendulum, "forward_dynamics"),
-        (pendulum, "inverse_dynamics"),
-    ):
-        given = state(functions)
-        if name == "inverse_dynamics":
-            given = (*given[:2], given[2])
-        function = getattr(functions, name)
-        derivatives = getattr(functions.library, f"{name}_derivatives")(*given)
-        columns = functions.library.derivative_columns(f"{name}_derivatives")
-        for mode in (jax.jacfwd, jax.jacrev):
-            by = dict(
-                zip(function.arguments.names.positional, mode(function, (0, 1, 2))(*given), strict=False)
-            )
-            for one, found in by.items():
-                right = (
-                    functions.library.mass_matrix(given[0])
-                    if one == "ydot"
-                    else derivatives[..., columns[one]]
-                )
-                np.testing.assert_allclose(found, right, rtol=1e-14, atol=1e-14 * np.abs(right).max())
+def test_both_modes_give_the_generated_derivatives(pendulum: Any, jacobians: Any, jax: Any) -> None:
+    """By products, and by whole Jacobians where these alone were generated."""
+    given, library = state(pendulum), jacobians.library
+    for name in ("forward_dynamics", "inverse_dynamics"):
+        derivatives = getattr(library, f"{name}_derivatives")(*given)
+        columns = library.derivative_columns(f"{name}_derivatives")
+        for functions in (pendulum, jacobians):
+            function = getattr(functions, name)
+            for mode in (jax.jacfwd, jax.jacrev):
+                by = mode(function, (0, 1, 2))(*given)
+                for one, found in zip(function.arguments.names.positional, by, strict=False):
+                    right = library.mass_matrix(given[0]) if one == "ydot" else derivatives[..., columns[one]]
+                    np.testing.assert_allclose(found, right, rtol=1e-13, atol=1e-14 * np.abs(right).max())
+
+
+def called(jax: Any, function: Any, *given: Any) -> set[str]:
+    """Return the names of the functions in C that a compiled function calls."""
+    text = jax.jit(function).lower(*given).as_text()
+    return set(re.findall(r"kanegen_[0-9a-f]+_(\w+)", text))
+
+
+def test_gradients_call_no_jacobian(pendulum: Any, jax: Any) -> None:
+    x, y, tau = state(pendulum)
+
+    def total(x: Any) -> Any:
+        return pendulum.forward_dynamics(x, y, tau).sum()
+
+    assert called(jax, jax.grad(total), x) == {"forward_dynamics_vjp"}
+    assert called(jax, lambda x: jax.jvp(total, (x,), (y,))[1], x) == {"forward_dynamics_jvp"}
+    whole = {"forward_dynamics_derivatives"}
+    every = made("scara", ("forward_dynamics", "forward_dynamics_hvp", *whole))
+    x, y, tau = state(every)
+
+    def one(x: Any, tau: Any = tau) -> Any:
+        return every.forward_dynamics(x, y, tau)
+
+    assert called(jax, jax.grad(lambda x: one(x).sum()), x) == {"forward_dynamics_vjp"}
+    assert called(jax, jax.jacfwd(one), x) == called(jax, jax.jacrev(one), x) == whole
+    many = jax.vmap(lambda tau: jax.grad(lambda x: one(x, tau).sum())(x))
+    assert called(jax, many, np.tile(tau, (9, 1))) == {"forward_dynamics_vjp"}
+    assert called(jax, jax.hessian(lambda x: one(x).sum()), x) == {"forward_dynamics_hvp"}
+
+
+@pytest.fixture(scope="module")
+def twice() -> Any:
+    """Functions of the double pendulum with second derivatives."""
+    names = ("forward_dynamics", "inverse_dynamics", "forcing")
+    return made("double_pendulum", (*names, *(f"{name}_hvp" for name in names)))
+
+
+def test_second_derivatives_are_those_of_differences(twice: Any, jax: Any) -> None:
+    test_util = importlib.import_module("jax.test_util")
+    x, y, tau = state(twice, 3)
+    parameters = np.array([*twice.library.parameters.values()])
+    for name in ("forward_dynamics", "inverse_dynamics", "forcing"):
+        given = (x, y, *((tau,) if name != "forcing" else ()), parameters)
+
+        def function(*given: Any, name: str = name) -> Any:
+            return getattr(twice, name)(*given[:-1], parameters=given[-1])
+
+        test_util.check_grads(function, given, order=2, modes=("fwd", "rev"), eps=1e-4, rtol=1e-5, atol=1e-5)
+
+
+def test_every_order_of_modes_gives_the_same_hessian(twice: Any, jax: Any) -> None:
+    x, y, tau = state(twice, 3)
+    fwd, rev = jax.jacfwd, jax.jacrev
+
+    def total(x: Any, tau: Any) -> Any:
+        return (twice.forward_dynamics(x, y, tau) * np.array([1.0, -2.0])).sum()
+
+    right = np.array(jax.hessian(total)(x, tau))
+    np.testing.assert_allclose(right, right.T, rtol=1e-13)
+    # Linear in {tau}: the derivative of the gradient by {tau}, [A]^-1 {w}, with weights of its own.
+    mixed = jax.jacfwd(jax.grad(total, 1))(x, tau)
+    for outer, inner in ((fwd, fwd), (rev, fwd), (rev, rev)):
+        np.testing.assert_allclose(outer(inner(total))(x, tau), right, rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(outer(inner(total, 1), 0)(x, tau), mixed, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(jax.jit(rev(jax.checkpoint(rev(total))))(x, tau), right, rtol=1e-12)
+    many = jax.jit(jax.vmap(jax.hessian(total), (0, None)))(np.stack([x, x + 0.1]), tau)
+    np.testing.assert_allclose(many[0], right, rtol=1e-12)
+    np.testing.assert_allclose(many[1], jax.hessian(total)(x + 0.1, tau), rtol=1e-12)
+
+
+def test_second_derivatives_through_a_scan(twice: Any, jax: Any) -> None:
+    """Semi-implicit steps in JAX, whose Hessian by a constant force is that of differences."""
+    x, y, tau = state(twice, 5)
+
+    def end(tau: Any) -> Any:
+        def one(now: Any, _: Any) -> Any:
+            speeds = now[1] + 0.02 * twice.forward_dynamics(*now, tau)
+            return (now[0] + 0.02 * speeds, speeds), None
+
+        (last, _), _ = jax.lax.scan(one, (x, y), None, length=20)
+        return (last**2).sum()
+
+    gradient, h = jax.jit(jax.grad(end)), 1e-4
+    columns = [
+        8 * (gradient(tau + h * d) - gradient(tau - h * d))
+        - gradient(tau + 2 * h * d)
+        + gradient(tau - 2 * h * d)
+        for d in np.eye(2)
+    ]
+    right = np.array(columns) / (12 * h)
+    for mode in (jax.jacfwd, jax.jacrev):
+        np.testing.assert_allclose(mode(gradient)(tau), right, rtol=1e-8, atol=1e-9 * np.abs(right).max())
+
+
+def test_products_called_by_name_have_derivatives(twice: Any, jax: Any) -> None:
+    x, y, tau = state(twice, 3)
+    weights = np.array([0.5, -1.5])
+    direction = np.random.default_rng(1).normal(size=11)
+
+    def gradient(x: Any, weights: Any) -> Any:
+        return twice.forward_dynamics_vjp(x, y, weights, tau) @ direction
+
+    def change(x: Any, direction: Any) -> Any:
+        return twice.forward_dynamics_jvp(x, y, direction, tau) @ weights
+
+    by_x, by_weights = jax.grad(gradient, (0, 1))(x, weights)
+    same, by_direction = jax.grad(change, (0, 1))(x, direction)
+    np.testing.assert_allclose(
+        by_x, twice.forward_dynamics_hvp(x, y, weights, direction, tau)[:2], rtol=1e-14
+    )
+    np.testing.assert_allclose(same, by_x, rtol=1e-14)
+    np.testing.assert_allclose(by_weights, twice.forward_dynamics_jvp(x, y, direction, tau), rtol=1e-14)
+    np.testing.assert_allclose(by_direction, twice.forward_dynamics_vjp(x, y, weights, tau), rtol=1e-14)
+
+    def hessian(weights: Any, direction: Any) -> Any:
+        return twice.forward_dynamics_hvp(x, y, weights, direction, tau) @ np.arange(11.0)
+
+    test_util = importlib.import_module("jax.test_util")
+    test_util.check_grads(hessian, (weights, direction), order=2, modes=("fwd", "rev"))
 
 
 def test_gradients_by_loads(satellite: Any, jax: Any) -> None:
@@ -330,12 +450,12 @@ def test_gradients_by_loads(satellite: Any, jax: Any) -> None:
     assert not np.asarray(found[0])[:, ~loaded[:, 0]].any()
 
 
-def test_a_gradient_by_parameters_has_their_names(pendulum: Any, jax: Any) -> None:
+def test_a_gradient_by_parameters_has_their_names(pendulum: Any, jacobians: Any, jax: Any) -> None:
     x, y, tau = state(pendulum)
     usual = pendulum.library.parameters
     found = jax.grad(lambda p: pendulum.forward_dynamics(x, y, tau, parameters=p).sum())(usual)
     columns = pendulum.library.derivative_columns("forward_dynamics_derivatives")["parameters"]
-    right = pendulum.library.forward_dynamics_derivatives(x, y, tau)[:, columns].sum(axis=0)
+    right = jacobians.library.forward_dynamics_derivatives(x, y, tau)[:, columns].sum(axis=0)
     np.testing.assert_allclose([found[name] for name in usual], right, rtol=1e-13)
 
 
@@ -448,22 +568,47 @@ def test_gradients_over_no_states_are_zero(pendulum: Any, jax: Any) -> None:
     assert columns.shape == (0, 2)
 
 
-def test_derivatives_that_were_not_generated(pendulum: Any, jax: Any) -> None:
+def test_derivatives_that_were_not_generated(pendulum: Any, jacobians: Any, twice: Any, jax: Any) -> None:
     x, y, tau = state(pendulum)
-    with pytest.raises(OptionError, match="second derivatives, which are not generated"):
-        jax.hessian(lambda x: pendulum.forward_dynamics(x, y, tau).sum())(x)
+    second = (
+        r"asks for second derivatives,? and the library was built without forward_dynamics_hvp\. Ask for it"
+    )
+    for functions in (pendulum, jacobians):
+        for mode in (jax.jacfwd, jax.jacrev):
+            with pytest.raises(OptionError, match=second):
+                mode(jax.grad(lambda x, f=functions: f.forward_dynamics(x, y, tau).sum()))(x)
+    with pytest.raises(OptionError, match="third derivatives, which are not generated"):
+        jax.grad(lambda x: jax.hessian(lambda x: twice.forward_dynamics(x, y, tau).sum())(x).sum())(x)
     with pytest.raises(OptionError, match=r"mass_matrix: JAX asks for the derivative by x\. There are no"):
-        jax.grad(lambda x: pendulum.mass_matrix(x).sum())(x)
+        jax.grad(lambda x: jacobians.mass_matrix(x).sum())(x)
     with pytest.raises(OptionError, match=r"apply jax\.lax\.stop_gradient to x, not to the result\."):
-        jax.grad(lambda x: (jax.lax.stop_gradient(pendulum.mass_matrix(x)) @ x).sum())(x)
-    found = jax.grad(lambda x: (pendulum.mass_matrix(jax.lax.stop_gradient(x)) @ x).sum())(x)
-    np.testing.assert_allclose(found, pendulum.mass_matrix(x).sum(axis=0), rtol=1e-15)
+        jax.grad(lambda x: (jax.lax.stop_gradient(jacobians.mass_matrix(x)) @ x).sum())(x)
+    found = jax.grad(lambda x: (jacobians.mass_matrix(jax.lax.stop_gradient(x)) @ x).sum())(x)
+    np.testing.assert_allclose(found, jacobians.mass_matrix(x).sum(axis=0), rtol=1e-15)
     with pytest.raises(OptionError, match=r"by step\. There are derivatives by x, y, tau, parameters"):
         jax.grad(lambda h: pendulum.step(x, y, tau, step=h)[0].sum())(0.1)
     bare = made("double_pendulum", derivatives=False)
-    x, y, tau = state(bare)
-    with pytest.raises(OptionError, match="was built without forward_dynamics_derivatives"):
+    with pytest.raises(OptionError, match=r"without forward_dynamics_vjp, .* Ask for one with outputs=\("):
         jax.grad(lambda x: bare.forward_dynamics(x, y, tau).sum())(x)
+
+
+def test_a_library_with_one_product(jax: Any) -> None:
+    """What it lacks is computed from whole Jacobians where there are these, and else refused by name."""
+    names = ("forward_dynamics", "forward_dynamics_vjp")
+    found = made("double_pendulum", names, derivatives=False)
+    x, y, tau = state(found)
+    gradient = jax.grad(lambda x: found.forward_dynamics(x, y, tau).sum())(x)
+    with pytest.raises(
+        OptionError, match=r"derivatives along a direction, .* without forward_dynamics_jvp\."
+    ):
+        jax.jvp(lambda x: found.forward_dynamics(x, y, tau), (x,), (y,))
+    for other in ("forward_dynamics_jvp", "forward_dynamics_hvp"):
+        some = made("double_pendulum", ("forward_dynamics", other), derivatives=False)
+        with pytest.raises(OptionError, match=r"a gradient, .* without forward_dynamics_vjp\. Ask for it"):
+            jax.jit(jax.grad(lambda x, f=some: f.forward_dynamics(x, y, tau).sum()))(x)
+    both = made("double_pendulum", (*names, "forward_dynamics_derivatives"), derivatives=False)
+    _, change = jax.jvp(lambda x: both.forward_dynamics(x, y, tau), (x,), (y,))
+    assert float(change.sum()) == pytest.approx(float(gradient @ y), rel=1e-13)
 
 
 # Statuses

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import pickle
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.errors import ArrayError, KanegenWarning, ModelError, OptionError, StatusError
+from kanegen.interop.products import ALONG, GRADIENT, VALUE, products_of
 from kanegen.options import Variant
 from kanegen.reference.states import random_states
 from tests.support.pages import blocks
@@ -50,6 +52,20 @@ def pendulum() -> Any:
 
 
 @pytest.fixture(scope="module")
+def jacobians() -> Any:
+    """Functions of the double pendulum whose derivatives are whole Jacobians alone."""
+    names = ("forward_dynamics", "inverse_dynamics", "mass_matrix")
+    return made("double_pendulum", (*names, *(f"{one}_derivatives" for one in names[:2])), derivatives=False)
+
+
+@pytest.fixture(scope="module")
+def twice() -> Any:
+    """Functions of the double pendulum with second derivatives."""
+    names = ("forward_dynamics", "inverse_dynamics", "forcing")
+    return made("double_pendulum", (*names, *(f"{name}_hvp" for name in names)))
+
+
+@pytest.fixture(scope="module")
 def satellite() -> Any:
     return made("satellite", ("forward_dynamics", "coordinate_rates", "momentum"))
 
@@ -80,11 +96,90 @@ def test_gradients_of_a_pendulum(torch: Any, pendulum: Any) -> None:
     x, y, tau = numbers(torch, 3, 1, 2), numbers(torch, 2, 2, seed=1), numbers(torch, 2, seed=2)
     usual = torch.tensor([*pendulum.library.parameters.values()], dtype=torch.float64)
     parameters = (usual * torch.linspace(0.9, 1.1, 15).reshape(3, 1, 5).double()).requires_grad_()
-    check = torch.autograd.gradcheck
+    check = partial(torch.autograd.gradcheck, check_forward_ad=True)
     assert check(lambda *a: pendulum.forward_dynamics(*a[:3], parameters=a[3]), (x, y, tau, parameters))
     assert check(pendulum.inverse_dynamics, (x, y, tau))
     assert check(lambda *a: pendulum.kinetic_energy(*a[:2], parameters=a[2]), (x, y, parameters))
     assert check(lambda *a: pendulum.step_rk4(*a[:3], step=0.1, parameters=a[3]), (x, y, tau, parameters))
+
+
+def test_products_give_what_jacobians_give(torch: Any, pendulum: Any, jacobians: Any) -> None:
+    """Gradients and derivatives along directions, to rounding."""
+    x, y, tau = numbers(torch, 3, 1, 2), numbers(torch, 2, 2, seed=1), numbers(torch, 2, seed=2)
+    usual = torch.tensor([*pendulum.library.parameters.values()], dtype=torch.float64, requires_grad=True)
+    along = tuple(torch.randn_like(one) for one in (x, y, tau, usual))
+    weights = numbers(torch, 3, 2, 2, seed=3, grad=False)
+    for name in ("forward_dynamics", "inverse_dynamics"):
+        found = []
+        for of in (pendulum, jacobians):
+
+            def work(*a: Any, of: Any = of, name: str = name) -> Any:
+                return getattr(of, name)(*a[:3], parameters=a[3])
+
+            _, change = torch.func.jvp(work, (x, y, tau, usual), along)
+            found.append((change, *torch.autograd.grad(work(x, y, tau, usual), (x, y, tau, usual), weights)))
+        for one, other in zip(*found, strict=True):
+            assert torch.allclose(one, other, rtol=1e-13, atol=1e-13 * other.abs().max().item())
+
+
+def test_second_derivatives(torch: Any, twice: Any) -> None:
+    x, y, tau = numbers(torch, 2, 1, 2), numbers(torch, 2, 2, seed=1), numbers(torch, 2, seed=2)
+    usual = torch.tensor([*twice.library.parameters.values()], dtype=torch.float64, requires_grad=True)
+    check = torch.autograd.gradgradcheck
+    for name in ("forward_dynamics", "inverse_dynamics"):
+        function = getattr(twice, name)
+        assert check(
+            lambda *a, f=function: f(*a[:3], parameters=a[3]),
+            (x, y, tau, usual),
+            check_fwd_over_rev=True,
+            check_rev_over_rev=True,
+        )
+    assert check(lambda *a: twice.forcing(*a[:2], parameters=a[2]), (x, y, usual))
+    weights, along = numbers(torch, 2, seed=4), numbers(torch, 11, seed=5)
+    first = partial(torch.autograd.gradcheck, check_forward_ad=True)
+    assert first(lambda x, w: twice.forward_dynamics_vjp(x, y, w, tau), (x, weights))
+    assert first(lambda x, d: twice.forward_dynamics_jvp(x, y, d, tau), (x, along))
+    x, y, tau = x.detach(), y.detach(), tau.detach()
+    assert check(lambda w: twice.forward_dynamics_vjp(x, y, w, tau), (weights,))
+    assert check(lambda d: twice.forward_dynamics_jvp(x, y, d, tau), (along,))
+    assert first(lambda w, d: twice.forward_dynamics_hvp(x, y, w, d, tau), (weights, along))
+
+
+def test_every_order_of_modes_gives_the_same_hessian(torch: Any, twice: Any) -> None:
+    x, y = numbers(torch, 5, 2, grad=False), numbers(torch, 2, seed=1, grad=False)
+    fwd, rev = torch.func.jacfwd, torch.func.jacrev
+
+    def total(x: Any) -> Any:
+        return (twice.forward_dynamics(x, y) * torch.tensor([1.0, -2.0])).sum()
+
+    right = torch.func.vmap(torch.func.hessian(total))(x)
+    for outer, inner in ((fwd, fwd), (rev, fwd), (rev, rev)):
+        found = torch.func.vmap(outer(inner(total)))(x)
+        assert torch.allclose(found, right, rtol=1e-12, atol=1e-12)
+    inputs = x[0].clone().requires_grad_()
+    plain = torch.autograd.functional.hessian(total, inputs)
+    assert torch.allclose(plain, right[0], rtol=1e-12, atol=1e-12)
+
+
+def test_the_way_of_fewest_operations(torch: Any) -> None:
+    """A product for one gradient; for a Jacobian, whole derivatives where these were generated."""
+    every = made("scara", ("forward_dynamics", "forward_dynamics_derivatives"))
+    products, form = products_of(every.library.source)["forward_dynamics"]
+    assert not any(products.takes_jacobian(one, 1) for one in (ALONG, GRADIENT))
+    assert all(products.takes_jacobian(one, 4) for one in (ALONG, GRADIENT))
+    assert form == VALUE
+    x, y, tau = (numbers(torch, 4, seed=k) for k in range(3))
+    whole = torch.tensor(
+        every.library.forward_dynamics_derivatives(*(one.detach().numpy() for one in (x, y, tau)))
+    )
+    by = every.library.derivative_columns("forward_dynamics_derivatives")
+    rows = [torch.autograd.grad(every.forward_dynamics(x, y, tau)[k], x)[0] for k in range(4)]
+    scale = whole.abs().max().item()
+    assert torch.allclose(torch.stack(rows), whole[:, by["x"]], rtol=1e-12, atol=1e-13 * scale)
+    for mode in (torch.func.jacrev, torch.func.jacfwd):
+        found = mode(every.forward_dynamics, argnums=(0, 1, 2))(x, y, tau)
+        for one, name in zip(found, ("x", "y", "tau"), strict=True):
+            assert torch.allclose(one, whole[:, by[name]], rtol=1e-14, atol=1e-15 * scale)
 
 
 def test_gradients_over_no_states_are_zero(torch: Any, pendulum: Any) -> None:
@@ -149,7 +244,7 @@ def test_a_gradient_through_a_rollout(torch: Any, pendulum: Any) -> None:
     assert np.abs(slope.numpy() - expected).max() <= 1e-8
 
 
-def test_vmap_and_derivatives_of_torch_func(torch: Any, pendulum: Any) -> None:
+def test_vmap_and_derivatives_of_torch_func(torch: Any, pendulum: Any, jacobians: Any) -> None:
     x, y = numbers(torch, 5, 2, grad=False), numbers(torch, 5, 2, seed=1, grad=False)
     vmap, jacrev, grad = torch.func.vmap, torch.func.jacrev, torch.func.grad
     function = pendulum.forward_dynamics
@@ -158,8 +253,8 @@ def test_vmap_and_derivatives_of_torch_func(torch: Any, pendulum: Any) -> None:
     assert torch.equal(vmap(function, in_dims=(1, 0))(x.T, y), function(x, y))
     both = vmap(vmap(function, in_dims=(None, 0)), in_dims=(0, None))(x, y)
     assert torch.equal(both, function(x[:, None], y))
-    by = pendulum.library.derivative_columns("forward_dynamics_derivatives")
-    slopes = torch.tensor(pendulum.library.forward_dynamics_derivatives(x.numpy(), y.numpy()))
+    by = jacobians.library.derivative_columns("forward_dynamics_derivatives")
+    slopes = torch.tensor(jacobians.library.forward_dynamics_derivatives(x.numpy(), y.numpy()))
     assert torch.allclose(vmap(jacrev(function))(x, y), slopes[..., by["x"]], rtol=1e-14, atol=1e-14)
     own = vmap(grad(lambda p: function(x[0], y[0], parameters=p).sum()))
     sets = (
@@ -177,8 +272,12 @@ def test_operators_keep_what_pytorch_asks_of_them(torch: Any, pendulum: Any) -> 
     parameters = torch.tensor([*pendulum.library.parameters.values()], dtype=torch.float64)
     names = [name for name in dir(torch.ops.kanegen) if "double_pendulum_forward_dynamics_" in name]
     assert operators and names
-    operator = getattr(torch.ops.kanegen, next(n for n in names if "derivatives" not in n)).default
+    first = min((n for n in names if n.split("_")[-2] == "dynamics"), key=lambda n: int(n.split("_")[-1]))
+    operator = getattr(torch.ops.kanegen, first).default
     torch.library.opcheck(operator, (x, y, tau, parameters))
+    product = next(n for n in names if "forward_dynamics_weights_" in n)
+    weights = numbers(torch, 3, 2, seed=3)
+    torch.library.opcheck(getattr(torch.ops.kanegen, product).default, (x, y, tau, parameters, weights))
 
 
 @pytest.mark.parametrize("backend", ["aot_eager", "inductor"])
@@ -229,19 +328,30 @@ def test_statuses(torch: Any, pendulum: Any) -> None:
         strict.forward_dynamics(torch.stack([good, bad]), good)
 
 
-def test_what_does_not_fit_says_so(torch: Any, pendulum: Any) -> None:
+def test_what_does_not_fit_says_so(torch: Any, pendulum: Any, jacobians: Any, twice: Any) -> None:
     x = numbers(torch, 2)
     with pytest.raises(OptionError, match="mass_matrix: PyTorch asks for the gradient by x"):
         pendulum.mass_matrix(x).sum().backward()
-    (slope,) = torch.autograd.grad(pendulum.forward_dynamics(x, x).sum(), x, create_graph=True)
+    for of in (pendulum, jacobians):
+        (slope,) = torch.autograd.grad(of.forward_dynamics(x, x).sum(), x, create_graph=True)
+        with pytest.raises(
+            OptionError, match=r"second derivatives,? and the library .* forward_dynamics_hvp"
+        ):
+            slope.sum().backward()
+    (slope,) = torch.autograd.grad(pendulum.kinetic_energy(x, x).sum(), x, create_graph=True)
     with pytest.raises(OptionError, match="asks for second derivatives, which are not generated"):
         slope.sum().backward()
+    with pytest.raises(OptionError, match="PyTorch asks for third derivatives"):
+        torch.func.jacrev(torch.func.hessian(lambda x: twice.forward_dynamics(x, x).sum()))(x)
     length = torch.tensor(0.1, dtype=torch.float64, requires_grad=True)
     with pytest.raises(OptionError, match=r"gradient by step\. There are derivatives by .*Detach"):
         pendulum.step_rk4(x, x, step=length)[0].sum().backward()
     plain = made("double_pendulum", derivatives=False)
-    with pytest.raises(OptionError, match=r"built without forward_dynamics_derivatives\. Ask for it"):
+    with pytest.raises(OptionError, match=r"built without forward_dynamics_vjp, .*Ask for one"):
         plain.forward_dynamics(x, x.detach()).sum().backward()
+    some = made("double_pendulum", ("forward_dynamics", "forward_dynamics_jvp"), derivatives=False)
+    with pytest.raises(OptionError, match=r"a gradient, .* without forward_dynamics_vjp\. Ask for it"):
+        some.forward_dynamics(x, x.detach()).sum().backward()
     with pytest.raises(ArrayError, match=r"expected numbers of torch\.float64, got torch\.float32"):
         pendulum.forward_dynamics(x.float(), x)
     with pytest.raises(ArrayError, match=r"x: it is on meta"):

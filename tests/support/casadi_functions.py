@@ -2,6 +2,7 @@
 
 import functools
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -20,6 +21,9 @@ SYSTEMS = {
     "panda": lambda: kg.load(MODELS / "panda_arm.toml"),
 }
 
+WARNINGS = "-std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
+"""Flags of compilers for which the generated file has no warnings."""
+
 FURTHER = {
     "loads": ("step_rk4", "step_rk4_derivatives"),
     "quaternion": ("body_poses", "frame_jacobians", "point_positions", "point_positions_derivatives"),
@@ -35,7 +39,7 @@ def made(case):
     system = SYSTEMS[case]()
     outputs = (*usual_outputs(system), *FURTHER.get(case, ()))
     library = kg.build(system, outputs, functions=outputs, on_status="ignore")
-    names = [one.name for one in casadi_functions(library.source) if not one.unread]
+    names = [one.name for one in casadi_functions(library.source) if not one.is_derivative]
     begin = symbol(library.source.model, "")
     functions = {n: casadi.function(library, n.removeprefix(f"{begin}_")) for n in names}
     return system, library, {n.removeprefix(f"{begin}_"): one for n, one in functions.items()}
@@ -54,3 +58,46 @@ def by_reference(system, state, force, length):
     k3 = rates(state + length / 2 * k2)
     k4 = rates(state + length * k3)
     return state + length / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def inputs_of(library, seed=0):
+    """Return random values of every input by name, and those that the library takes by name."""
+    rng = np.random.default_rng(seed)
+    sizes = {array.name: array.shape for one in library.source.functions for array in one.inputs}
+    found = {name: rng.uniform(-1.0, 1.0, shape) for name, shape in sizes.items() if name != "prepared"}
+    for kind in ("body", "point"):
+        for name in {"body": ("force", "torque"), "point": ("point_force", "point_moment")}[kind]:
+            if name in found:
+                found[name][list(library.source.model.unloaded(kind))] = 0.0
+    return found | {"step": np.array(0.01)}
+
+
+def called(function, values):
+    """Return the results of a function of CasADi by name, as dense arrays."""
+    given = {name: values[name] for name in function.name_in() if name in values and name != "parameters"}
+    return {name: value.full() for name, value in function(**given).items()}
+
+
+def textbook(names):
+    """Return {ydot} of the double pendulum, written by hand, as a function of CasADi.
+
+    Args:
+        names: Names of the parameters in their order.
+    """
+    x, y, tau, parameters = (ca.SX.sym(name, size) for name, size in SIZES.items())
+    by_name = dict(zip(names, ca.vertsplit(parameters), strict=True))
+    m1, m2, l1, l2, g = (by_name[name] for name in ("m1", "m2", "l1", "l2", "g"))
+    q1, q2 = ca.vertsplit(x)
+    w1, w2 = ca.vertsplit(y)
+    both = m2 * l2**2 + m2 * l1 * l2 * ca.cos(q2)
+    first = (m1 + m2) * l1**2 + both + m2 * l1 * l2 * ca.cos(q2)
+    A = ca.blockcat([[first, both], [both, m2 * l2**2]])
+    h, weight = m2 * l1 * l2 * ca.sin(q2), m2 * g * l2 * ca.sin(q1 + q2)
+    f = ca.vertcat(h * (2 * w1 * w2 + w2**2) - (m1 + m2) * g * l1 * ca.sin(q1) - weight, -h * w1**2 - weight)
+    return ca.Function(
+        "textbook", [x, y, tau, parameters], [ca.solve(A, f + tau)], [*SIZES], ["acceleration"]
+    )
+
+
+SIZES = {"x": 2, "y": 2, "tau": 2, "parameters": 5}
+"""Inputs of the double pendulum and their numbers of elements."""

@@ -4,7 +4,8 @@
 them, with the patterns of `pattern`, and `printing` prints these as C in the interface of `casadi.external`.
 """
 
-from kanegen.artifacts.casadi.functions import CasadiFunction, Matrix, casadi_functions, symbol
+from kanegen.artifacts.casadi.functions import casadi_functions, symbol
+from kanegen.artifacts.casadi.matrix import CasadiFunction, Matrix
 from kanegen.artifacts.casadi.printing import (
     casadi,
     derivatives,

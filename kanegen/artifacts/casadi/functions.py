@@ -11,73 +11,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from kanegen.artifacts.casadi.directional import directional, not_read
+from kanegen.artifacts.casadi.matrix import CasadiFunction, Matrix
 from kanegen.artifacts.casadi.pattern import Pattern, matrix_shape
 from kanegen.artifacts.casadi.sources import Derived, Result, differentiable
 from kanegen.c.description import ModelDescription
-from kanegen.c.interface import Function
 from kanegen.c.source import Source
 from kanegen.model.arguments import LOADS
-from kanegen.program.ir import PREPARED, Array, Op
+from kanegen.program.ir import Array, Op
 
 SUFFIX = "_casadi"
 """What stands behind the name of the model in the names of the functions and of their file."""
-
-
-@dataclass(frozen=True)
-class Matrix:
-    """A matrix of CasADi, and the array of C that holds its entries.
-
-    Attributes:
-        name: Name of the input or output in CasADi.
-        pattern: Shape and entries that are stored.
-        array: Name of the array, which may be that of an input; "" where all stored entries are ones.
-        places: Place in the array of each entry that is stored.
-        size: Number of elements of the array.
-        is_known: Whether the source can give it; there may be no derivatives by an input.
-    """
-
-    name: str
-    pattern: Pattern
-    array: str = ""
-    places: tuple[int, ...] = ()
-    size: int = 0
-    is_known: bool = True
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether the matrix is stored as the array is."""
-        return self.places == tuple(range(self.size))
-
-
-@dataclass(frozen=True)
-class CasadiFunction:
-    """A function of CasADi.
-
-    Attributes:
-        name: Its name, a symbol of the library.
-        doc: One sentence.
-        inputs: Its arguments that are read.
-        unread: Further arguments: of a Jacobian the results of the function that it differentiates.
-        outputs: Its results.
-        calls: Functions of C that fill arrays of results.
-    """
-
-    name: str
-    doc: str
-    inputs: tuple[Matrix, ...]
-    outputs: tuple[Matrix, ...]
-    calls: tuple[Function, ...]
-    unread: tuple[Matrix, ...] = ()
-
-    def results(self, call: Function) -> tuple[int, ...]:
-        """Return the numbers of the outputs that are read from arrays of a call."""
-        filled = {array.name for array in call.outputs}
-        return tuple(i for i, one in enumerate(self.outputs) if one.array in filled and one.places)
-
-    @property
-    def reads_parameters(self) -> bool:
-        """Whether constants are prepared from parameters."""
-        return any(array.name == PREPARED for call in self.calls for array in call.inputs)
 
 
 def symbol(model: ModelDescription, name: str) -> str:
@@ -95,13 +39,13 @@ def symbol(model: ModelDescription, name: str) -> str:
 
 
 def casadi_functions(source: Source) -> tuple[CasadiFunction, ...]:
-    """Return the functions of CasADi that a source gives, each followed by its Jacobian if it has one."""
+    """Return the functions of CasADi that a source gives, each followed by its derivatives."""
     return tuple(function for one in differentiable(source) for function in _Functions(source, one).all())
 
 
 @dataclass(frozen=True)
 class _Functions:
-    """A function of CasADi and its Jacobian, made from what a source says about its results.
+    """A function of CasADi and its derivatives, made from what a source says about its results.
 
     Attributes:
         source: The source.
@@ -112,22 +56,31 @@ class _Functions:
     of: Derived
 
     def all(self) -> Iterator[CasadiFunction]:
-        """Yield the function and, if all its results have derivatives, its Jacobian."""
+        """Yield the function, its Jacobian if all its results have derivatives, and those by products."""
         name = symbol(self.source.model, self.of.name)
         inputs = tuple(map(self._input, self.of.inputs(self.source)))
         outputs = tuple(map(self._output, self.of.results))
         calls = tuple(dict.fromkeys(one.call for one in self.of.results if one.call))
-        yield CasadiFunction(name, self.of.doc, inputs, outputs, calls)
-        if not self.of.has_derivatives:
-            return
+        function = CasadiFunction(name, self.of.doc, inputs, outputs, calls)
+        yield function
+        if self.of.has_derivatives:
+            yield self._jacobian(function)
+        yield from directional(function, self.of)
+
+    def _jacobian(self, function: CasadiFunction) -> CasadiFunction:
+        """Return the Jacobian of a function."""
         blocks = [
-            self._block(place, given, output.name) for place, output in enumerate(outputs) for given in inputs
+            self._block(place, given, output.name)
+            for place, output in enumerate(function.outputs)
+            for given in function.inputs
         ]
-        unread = tuple(
-            Matrix(f"out_{one.name}", Pattern.empty(one.pattern.rows, one.pattern.columns)) for one in outputs
+        return CasadiFunction(
+            f"jac_{function.name}",
+            f"The Jacobian of {function.name}: a block for each output and input.",
+            (*function.inputs, *not_read("out_", function.outputs)),
+            tuple(blocks),
+            self.of.derivative_calls,
         )
-        doc = f"The Jacobian of {name}: a block for each output and input."
-        yield CasadiFunction(f"jac_{name}", doc, inputs, tuple(blocks), self.of.derivative_calls, unread)
 
     def _input(self, array: Array) -> Matrix:
         """Return the matrix of an input, with the rows of loads that are read."""

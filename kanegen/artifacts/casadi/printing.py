@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from kanegen.artifacts.casadi.functions import SUFFIX, CasadiFunction, Matrix, casadi_functions
+from kanegen.artifacts.casadi.functions import SUFFIX, casadi_functions
+from kanegen.artifacts.casadi.matrix import CasadiFunction, Matrix
 from kanegen.artifacts.casadi.sources import differentiable
 from kanegen.c.context import Context
 from kanegen.c.formats import formats
@@ -43,7 +44,10 @@ def casadi(source: Source) -> dict[str, str]:
         patterns=tables.patterns,
         places=tables.places,
         zeros=max(1, *(matrix.size for one in functions for matrix in one.inputs)),
-        spreads=any(port.places for one in printed for port in one.inputs),
+        spreads=any(one.places for function in printed for one in function.read),
+        has_products=any(one.name.startswith(("fwd1_", "adj1_")) for one in printed),
+        joins=any(one.joined for one in printed),
+        adds=any(one.added for one in printed),
         gathers=any(port.places for port in ports),
         copies=any(port.matrix.array and not port.places for port in ports),
         unknown=UNKNOWN,
@@ -87,7 +91,8 @@ def refusal(source: Source) -> str:
     if next(differentiable(source), None) is None:
         return "the code has no function of an output, only derivatives. Add --output forward_dynamics."
     there = [function.name for function in source.functions]
-    needed = [one for name in there if name in OUTPUTS for one in derivatives(source.system, name)]
+    without = [one for one in there if one in OUTPUTS and not {f"{one}_jvp", f"{one}_vjp"} & {*there}]
+    needed = [one for name in without for one in derivatives(source.system, name)]
     if missing := [name for name in needed if name not in there]:
         options = " ".join(f"--output {name}" for name in missing)
         return f"Jacobians are read from derivatives, which the code lacks. Add {options}, or name none."
@@ -120,9 +125,10 @@ class _Tables:
 
     def __init__(self, functions: Sequence[CasadiFunction]) -> None:
         """Collect the tables of all functions."""
-        matrices = [m for one in functions for m in (*one.inputs, *one.unread, *one.outputs)]
+        matrices = [m for one in functions for m in (*one.inputs, *one.outputs)]
         compressed = dict.fromkeys(matrix.pattern.compressed for matrix in matrices)
         self._patterns = {numbers: f"pattern_{i}" for i, numbers in enumerate(compressed)}
+        matrices += [m for one in functions for m in one.added]
         spread = dict.fromkeys(m.places for m in matrices if m.places and not m.is_whole)
         self._places = {numbers: f"places_{i}" for i, numbers in enumerate(spread)}
         self.patterns = {name: _numbers(numbers) for numbers, name in self._patterns.items()}
@@ -144,21 +150,19 @@ def _numbers(numbers: Sequence[int]) -> list[str]:
 
 @dataclass(frozen=True)
 class _Port:
-    """An input or output of a function, ready to be printed.
+    """An input or output of a function, or a term of an output, ready to be printed.
 
     Attributes:
         matrix: The matrix.
         number: Its place among the inputs or outputs.
         pattern: Name of the table of its pattern.
         places: Name of the table of its places, "" where it is stored as the array is.
-        work: Place of the array in the work vector.
     """
 
     matrix: Matrix
     number: int
     pattern: str
     places: str
-    work: int
 
     @property
     def count(self) -> int:
@@ -173,66 +177,107 @@ class _Port:
         return f"{self.matrix.name} [{rows} x {columns}{entries}]"
 
 
+@dataclass(frozen=True)
+class _Given:
+    """An array that inputs of a function fill: one input, or several together.
+
+    Attributes:
+        name: Its name in C.
+        ports: The inputs.
+        work: Its place in the work vector, where it is filled there.
+    """
+
+    name: str
+    ports: tuple[_Port, ...]
+    work: int
+
+    @property
+    def is_joined(self) -> bool:
+        """Whether several inputs fill it."""
+        return len(self.ports) > 1
+
+    @property
+    def size(self) -> int:
+        """Number of elements of the array."""
+        return self.ports[0].matrix.size
+
+    @property
+    def places(self) -> str:
+        """Name of the table of places of its only input, "" where that is stored as the array is."""
+        return "" if self.is_joined else self.ports[0].places
+
+
 class _Printed:
     """A function of CasADi, ready to be printed.
 
     Attributes:
         name: Its name.
         doc: One sentence.
-        inputs: Its inputs that are read.
-        unread: Further inputs.
+        is_derivative: Whether it is a derivative of another function.
+        arguments: Its inputs.
+        given: Arrays that they fill, without the parameters, which `prepare` reads.
         outputs: Its outputs.
+        added: Further terms of these.
         calls: Calls of C.
         work: Size of the work vector.
         reads_parameters: Whether constants are prepared.
     """
 
     def __init__(self, function: CasadiFunction, source: Source, tables: _Tables) -> None:
-        """Lay out the work vector: the arrays of inputs that are spread, then those of results."""
+        """Lay out the work vector: the arrays that inputs fill, then those of results."""
         self.name, self.doc = function.name, function.doc
+        self.is_derivative = function.is_derivative
         self.reads_parameters = function.reads_parameters
         self.work = 0
-        self.inputs, self.unread, self.outputs = [], [], []
-        for number, matrix in enumerate(function.inputs):
-            places = tables.place(matrix)
-            self.inputs.append(_Port(matrix, number, tables.pattern(matrix), places, self.work))
-            self.work += matrix.size if places else 0
-        for number, matrix in enumerate(function.unread, start=len(self.inputs)):
-            self.unread.append(_Port(matrix, number, tables.pattern(matrix), "", 0))
-        for number, matrix in enumerate(function.outputs):
-            self.outputs.append(_Port(matrix, number, tables.pattern(matrix), tables.place(matrix), 0))
+        self.arguments = _ports(enumerate(function.inputs), tables)
+        self.outputs = _ports(enumerate(function.outputs), tables)
+        numbers = {one.name: number for number, one in enumerate(function.outputs)}
+        self.added = _ports(((numbers[one.name], one) for one in function.added), tables)
+        self.given = [self._given(name) for name in dict.fromkeys(one.array for one in function.read)]
         self.calls = [self._call(function, call, source) for call in function.calls]
+
+    def _given(self, name: str) -> _Given:
+        """Return an array that inputs fill, which gets a place in the work vector if it needs one."""
+        found = _Given(name, tuple(one for one in self.arguments if one.matrix.array == name), self.work)
+        self.work += found.size if found.is_joined or found.places else 0
+        return found
 
     def _call(self, function: CasadiFunction, call: Function, source: Source) -> _Call:
         """Return a call of C, whose results get places in the work vector."""
-        results = [self.outputs[i] for i in function.results(call)]
+        filled = {array.name for array in call.outputs}
+        results, added = (
+            tuple(one for one in ports if one.matrix.array in filled and one.matrix.places)
+            for ports in (self.outputs, self.added)
+        )
         arrays = []
         for array in call.outputs:
             arrays.append((array.name, self.work))
             self.work += array.size
-        known = {one.matrix.name for one in self.inputs}
-        arguments = [a.name if a.name in (*known, PREPARED) else "zeros" for a in call.inputs]
-        return _Call(f"{source.model.name}_{call.name}", tuple(arguments), tuple(arrays), tuple(results))
-
-    @property
-    def arguments(self) -> list[_Port]:
-        """The inputs that are read, then those that are not, in the order of CasADi."""
-        return [*self.inputs, *self.unread]
+        known = {PREPARED, *(one.name for one in self.given)}
+        passed = function.passed.get(call.name, {})
+        names = [passed.get(array.name, array.name) for array in call.inputs]
+        arguments = tuple(name if name in known else "zeros" for name in names)
+        return _Call(f"{source.model.name}_{call.name}", arguments, tuple(arrays), results, added)
 
     @staticmethod
     def wanted(ports: Sequence[_Port]) -> str:
         """Return the condition in C that one of some outputs is wanted."""
-        return " || ".join(f"res[{port.number}]" for port in ports)
+        return " || ".join(f"res[{number}]" for number in dict.fromkeys(port.number for port in ports))
 
     @property
-    def read(self) -> list[_Port]:
-        """The inputs but for the parameters, which `prepare` reads."""
-        return [one for one in self.inputs if one.matrix.name != PARAMETERS]
+    def read(self) -> list[_Given]:
+        """The arrays that inputs fill but for the parameters, which `prepare` reads."""
+        return [one for one in self.given if one.name != PARAMETERS]
+
+    @property
+    def joined(self) -> list[_Given]:
+        """The arrays that several inputs fill."""
+        return [one for one in self.read if one.is_joined]
 
     @property
     def parameters(self) -> _Port | None:
         """The input of parameters, None without one."""
-        return next((one for one in self.inputs if one.matrix.name == PARAMETERS), None)
+        return next((one for one in self.arguments if one.matrix.name == PARAMETERS), None)
 
     @property
     def unknown(self) -> list[_Port]:
@@ -245,6 +290,17 @@ class _Printed:
         called = {id(one) for call in self.calls for one in call.results}
         return [one for one in self.outputs if id(one) not in called and one.matrix.is_known and one.count]
 
+    @property
+    def added_inputs(self) -> list[_Port]:
+        """The further terms of outputs that are inputs."""
+        called = {id(one) for call in self.calls for one in call.added}
+        return [one for one in self.added if id(one) not in called]
+
+
+def _ports(matrices: Iterable[tuple[int, Matrix]], tables: _Tables) -> list[_Port]:
+    """Return matrices, with their numbers among the inputs or outputs, ready to be printed."""
+    return [_Port(one, number, tables.pattern(one), tables.place(one)) for number, one in matrices]
+
 
 @dataclass(frozen=True)
 class _Call:
@@ -255,9 +311,11 @@ class _Call:
         arguments: Its inputs.
         arrays: Names of the arrays that it fills, and their places in the work vector.
         results: Outputs of the function of CasADi that are read from these.
+        added: Outputs to which elements of these are added.
     """
 
     name: str
     arguments: tuple[str, ...]
     arrays: tuple[tuple[str, int], ...]
     results: tuple[_Port, ...]
+    added: tuple[_Port, ...]

@@ -8,7 +8,15 @@ from dataclasses import dataclass
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
 from kanegen.program.ir import PARAMETERS, PREPARED, Array
-from kanegen.recursion.outputs import DERIVATIVES, DIFFERENTIATED, INTEGRATORS, OUTPUTS, RATES, differentiates
+from kanegen.recursion.outputs import (
+    DERIVATIVES,
+    DIFFERENTIATED,
+    INTEGRATORS,
+    OUTPUTS,
+    PRODUCTS,
+    RATES,
+    differentiates,
+)
 
 ODE = "ode"
 """Name of the function of the rates of a state, {xdot} and {ydot}."""
@@ -32,6 +40,31 @@ class Slopes:
 
 
 @dataclass(frozen=True)
+class Products:
+    """Products with derivatives of a result, as functions of C give them, by all inputs.
+
+    Attributes:
+        columns: Places of the variables in directions and gradients, by name of the input.
+        direction: Name of the array of a direction.
+        along: Function of C that gives derivatives along a direction; None if it was not generated.
+        gradient: Function of C that gives gradients of weighted sums.
+        hessian: Function of C that gives Hessians of these times a direction.
+    """
+
+    columns: Mapping[str, slice]
+    direction: str
+    along: Function | None
+    gradient: Function | None
+    hessian: Function | None
+
+    @property
+    def width(self) -> int:
+        """Number of variables, as directions count them."""
+        found: int = max(part.stop for part in self.columns.values())
+        return found
+
+
+@dataclass(frozen=True)
 class Result:
     """A result of a function of CasADi.
 
@@ -40,12 +73,14 @@ class Result:
         call: Function of C that fills the array; None for a copy of an input.
         slopes: Its derivatives, in one or several arrays.
         copied: Name of the input of which it is a copy, "" for none.
+        products: Products with its derivatives; None if none were generated.
     """
 
     array: Array
     call: Function | None
     slopes: tuple[Slopes, ...] = ()
     copied: str = ""
+    products: Products | None = None
 
     def reads(self, name: str) -> bool:
         """Return whether it depends on an input."""
@@ -96,7 +131,10 @@ def differentiable(source: Source) -> Iterator[Derived]:
     for name, function in functions.items():
         if name in OUTPUTS and name not in DIFFERENTIATED:
             slopes = tuple(_slopes(source, functions, name))
-            yield Derived(name, function.doc, (Result(function.outputs[0], function, slopes),))
+            products = _products(source, functions, name)
+            yield Derived(
+                name, function.doc, (Result(function.outputs[0], function, slopes, products=products),)
+            )
         elif name in INTEGRATORS and not differentiates(name):
             yield _step(source, functions, function)
     yield from _ode(source, functions)
@@ -113,6 +151,16 @@ def _slopes(source: Source, functions: Mapping[str, Function], name: str) -> Ite
         if name == "inverse_dynamics" and "mass_matrix" in functions:
             matrix = functions["mass_matrix"]
             yield Slopes(matrix, matrix.outputs[0], {"ydot": slice(0, len(source.model.freedom_names))})
+
+
+def _products(source: Source, functions: Mapping[str, Function], name: str) -> Products | None:
+    """Return the products with derivatives of an output that were generated."""
+    along, gradient, hessian = (functions.get(f"{name}_{ending}") for ending in ("jvp", "vjp", "hvp"))
+    if along is None and gradient is None:
+        return None
+    read = {array.name: array.size for one in source.functions for array in one.inputs}
+    columns = PRODUCTS[f"{name}_vjp"].columns(*_sizes(source), read)
+    return Products(columns, PRODUCTS[f"{name}_jvp"].direction, along, gradient, hessian)
 
 
 def _step(source: Source, functions: Mapping[str, Function], function: Function) -> Derived:
@@ -137,7 +185,9 @@ def _ode(source: Source, functions: Mapping[str, Function]) -> Iterator[Derived]
     else:
         (y,) = (array for array in acceleration.inputs if array.name == "y")
         xdot = Result(Array("xdot", y.shape, y.unit, "{xdot}, which is {y}"), None, copied="y")
-    ydot = Result(acceleration.outputs[0], acceleration, tuple(_slopes(source, functions, acceleration.name)))
+    slopes = tuple(_slopes(source, functions, acceleration.name))
+    products = _products(source, functions, acceleration.name)
+    ydot = Result(acceleration.outputs[0], acceleration, slopes, products=products)
     yield Derived(ODE, "The rates {xdot} and {ydot} of a state.", (xdot, ydot))
 
 

@@ -8,9 +8,11 @@ from typing import Any
 
 from kanegen.c.formats import formats
 from kanegen.interop.jax.arguments import Arguments
-from kanegen.interop.jax.calls import Arrays, Call, Signature, differentiable_calls
+from kanegen.interop.jax.calls import Arrays, Call, Signature
+from kanegen.interop.jax.derivatives import differentiable_calls
 from kanegen.interop.jax.facade import functions_of, inputs_of
 from kanegen.interop.jax.handlers import Handlers
+from kanegen.interop.products import products_of
 from kanegen.interop.slopes import slopes
 
 POSITIONAL, KEYWORD = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
@@ -94,6 +96,7 @@ def functions_by_name(handlers: Handlers) -> dict[str, Function]:
             handlers.device,
             handlers.prepared if inputs[:1] != one.inputs[:1] else None,
         )
-    calls = differentiable_calls(signatures, {name: slopes(name, source) for name in signatures})
+    of = {name: slopes(name, source) for name in signatures}
+    calls = differentiable_calls(signatures, of, products_of(source))
     shapes = {one.name: tuple(array.shape for array in one.outputs) for one in found}
     return {name: Function(arguments[name], shapes[name], call) for name, call in calls.items()}

@@ -48,7 +48,9 @@ def functions(
         model: The tree of bodies. Or a library, whose outputs and choices are taken; it is compiled once
             more, together with its handlers for XLA.
         outputs: Names of outputs, and of functions that make one step, such as "step_rk4".
-        derivatives: Whether to generate the derivatives of these outputs, too, as far as there are any.
+        derivatives: Whether to generate what first derivatives of these outputs need, too, as far as there
+            is any: `<output>_vjp` and `<output>_jvp` of outputs that have them, else `<output>_derivatives`.
+            Second derivatives need `<output>_hvp` among the outputs.
         precision: Arithmetic of the C: "double", or "float" for numbers of 32 bits, which are all
             that JAX has by default.
         tier: All other choices between speed and accuracy, as in `kanegen.generate`.
@@ -154,7 +156,7 @@ class Functions(Motions):
 
     They have the arguments of the methods of `Library` with the same names, with any number of leading axes,
     and may be compiled, batched and differentiated: `jax.jit`, `jax.vmap`, `jax.grad`, `jax.jacfwd`,
-    `jax.lax.scan`. Gradients are of the first order.
+    `jax.lax.scan`. Gradients have derivatives themselves if the output `<output>_hvp` was built.
 
     A function with a missing result, such as accelerations where [A] is singular, gives NaN there and a
     warning or an error, see `functions`. Threads may share a `Functions`, and it can be pickled.

@@ -10,8 +10,10 @@ from kanegen.compiler import generate
 from kanegen.errors import ArrayError, ModelError, OptionError, quoted
 from kanegen.extras import TORCH, module
 from kanegen.interop.arguments import ArgumentNames
+from kanegen.interop.products import products_of
 from kanegen.interop.slopes import slopes, with_derivatives
-from kanegen.interop.torch.operators import Operator, Signature, Tensor, operators
+from kanegen.interop.torch.operators import operators
+from kanegen.interop.torch.signature import Operator, Signature, Tensor
 from kanegen.library import Library, load
 from kanegen.library.native.status import OnStatus
 from kanegen.model.arguments import MODEL_DEPENDENT, OPTIONAL, STEP, required
@@ -44,7 +46,9 @@ def functions(
     Args:
         model: The tree of bodies. Or a library, whose functions, parameters and `on_status` are taken.
         outputs: Names of outputs, and of functions that make one step, such as "step_rk4".
-        derivatives: Whether to generate the derivatives of these outputs, too, as far as there are any.
+        derivatives: Whether to generate what first derivatives of these outputs need, too, as far as there
+            is any: `<output>_vjp` and `<output>_jvp` of outputs that have them, else `<output>_derivatives`.
+            Second derivatives need `<output>_hvp` among the outputs.
         precision: Arithmetic of the C: "double" for tensors of float64, "float" for float32.
         tier: All other choices between speed and accuracy, as in `kanegen.generate`.
         compiler: Command of a C compiler, by default the first that is found.
@@ -96,7 +100,8 @@ class Function:
 
     It takes the arguments of the method of `Library` of the same name: tensors of the library's numbers on
     the CPU with any strides, or what `torch.as_tensor` takes. Their leading dimensions broadcast. It may be
-    differentiated once, by the arguments of which there are derivatives, mapped by `torch.func.vmap` and
+    differentiated by the arguments of which there are derivatives, twice if `<output>_hvp` was built, mapped
+    by `torch.func.vmap` and
     compiled by `torch.compile`.
 
     Example:
@@ -224,7 +229,7 @@ class Functions:
         names = [name for name in there if name in OUTPUTS or name in INTEGRATORS]
         signatures = {name: _signature(library, name) for name in names if not name.startswith(ROLLOUT)}
         of = {name: slopes(name, library.source) for name in signatures}
-        found = operators(library, signatures, of)
+        found = operators(library, signatures, of, products_of(library.source))
         self._functions = {name: Function(signatures[name], one, library) for name, one in found.items()}
 
     def __repr__(self) -> str:

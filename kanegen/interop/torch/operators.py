@@ -1,26 +1,21 @@
-"""Generated functions as operators of PyTorch: the call, shapes, gradients and batches."""
+"""Generated functions as operators of PyTorch: the call, shapes, derivatives and batches."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import count
-from math import prod
 from typing import Any
 
-from kanegen.errors import OptionError
 from kanegen.extras import TORCH, module
+from kanegen.interop.products import CURVATURE, ENDINGS, HESSIAN, Form, Products
 from kanegen.interop.slopes import Slopes
+from kanegen.interop.torch.products import ProductFunction
+from kanegen.interop.torch.rules import JacobianRule, ProductRule, Rule, keep, keep_for_both
+from kanegen.interop.torch.signature import Operator, Signature, Tensor
 from kanegen.library import Library
-from kanegen.model.arguments import Shape
+from kanegen.model.arguments import OF_PRODUCTS, Shape
 
 torch = module("torch", extra=TORCH)
-
-Tensor = Any
-"""A `torch.Tensor`, or what stands for one while PyTorch compiles."""
-
-Operator = Callable[..., Sequence[Tensor]]
-"""An operator, which takes tensors in the order of `Signature.inputs` and returns a list of tensors."""
 
 _NAMESPACE = "kanegen"
 """Namespace of the operators: `torch.ops.kanegen`."""
@@ -29,36 +24,11 @@ _NUMBERS = count()
 """Numbers that tell apart operators of libraries with one name; operators last as long as the process."""
 
 
-@dataclass(frozen=True)
-class Signature:
-    """A generated function as PyTorch calls it.
-
-    Attributes:
-        name: Name of the function.
-        inputs: Shape for one state of each tensor that it takes, by name, `parameters` last.
-        outputs: Shape for one state of each result.
-        dtype: Type of the numbers, a `torch.dtype`.
-    """
-
-    name: str
-    inputs: Mapping[str, Shape]
-    outputs: tuple[Shape, ...]
-    dtype: Any
-
-    @property
-    def sizes(self) -> list[int]:
-        """Numbers of one state in each result."""
-        return [prod(shape) for shape in self.outputs]
-
-    def lead(self, tensors: Sequence[Tensor]) -> Shape:
-        """Return the leading dimensions to which those of some inputs broadcast."""
-        shapes = zip(tensors, self.inputs.values(), strict=True)
-        found: Shape = torch.broadcast_shapes(*(t.shape[: t.dim() - len(shape)] for t, shape in shapes))
-        return found
-
-
 def operators(
-    library: Library, signatures: Mapping[str, Signature], of: Mapping[str, Sequence[Slopes]]
+    library: Library,
+    signatures: Mapping[str, Signature],
+    of: Mapping[str, Sequence[Slopes]],
+    products: Mapping[str, tuple[Products, Form]],
 ) -> dict[str, Operator]:
     """Return an operator for each function of a library, differentiable as far as derivatives were generated.
 
@@ -70,17 +40,64 @@ def operators(
         library: The library.
         signatures: Its functions by name.
         of: What there is of derivatives of each function, generated or not.
+        products: Products with derivatives that were generated, by name of the function, with its own form.
 
     Returns:
         Functions of tensors in the order of `Signature.inputs`, by name of the function.
     """
-    registered = {name: _registered(library, signature) for name, signature in signatures.items()}
+    prefix = library.source.model.name
+    compiled: dict[str, Operator] = {}
     eager: dict[str, Operator] = {}
+    linear = {
+        one: _product_operators(library, one, *_inputs(signatures, one))
+        for one in dict.fromkeys(one for one, _ in products.values())
+    }
     for name, signature in signatures.items():
-        rule = _Rule(signature, of[name], signatures, registered)
-        torch.library.register_autograd(registered[name], rule.backward, setup_context=rule.keep)
-        eager[name] = _function(registered[name], _Rule(signature, of[name], signatures, eager))
-    return {name: _chosen(registered[name], eager[name]) for name in signatures}
+        registered = _registered(f"{prefix}_{name}", signature, library.ufunc(name))
+        if name in products:
+            one, form = products[name]
+            rules: Sequence[Rule] = [ProductRule(signature, form, one, every) for every in linear[one]]
+        else:
+            rules = [JacobianRule(signature, of[name], signatures, every) for every in (compiled, eager)]
+        compiled[name], eager[name] = _differentiable(registered, signature, *rules)
+    return {name: _chosen(compiled[name], eager[name]) for name in signatures}
+
+
+def _product_operators(
+    library: Library, products: Products, inputs: Mapping[str, Shape], dtype: Any
+) -> tuple[dict[Form, Operator], dict[Form, Operator]]:
+    """Return operators of the products with derivatives of an output, for compiled code and outside of it.
+
+    Args:
+        library: The library.
+        products: Which there are.
+        inputs: Shape for one state of each input of the output.
+        dtype: Type of the numbers, a `torch.dtype`.
+    """
+    compiled: dict[Form, Operator] = {}
+    eager: dict[Form, Operator] = {}
+    there = [one for one in ENDINGS if one in products.functions or products.takes_jacobian(one, 1)]
+    for form in (*there, *((CURVATURE,) if HESSIAN in there else ())):
+        function = ProductFunction(library, products, form, inputs)
+        signature = function.signature(dtype)
+        registered = _registered(f"{library.source.model.name}_{signature.name}", signature, function)
+        rules: Sequence[Rule] = [ProductRule(signature, form, products, one) for one in (compiled, eager)]
+        compiled[form], eager[form] = _differentiable(registered, signature, *rules)
+    return compiled, eager
+
+
+def _inputs(signatures: Mapping[str, Signature], products: Products) -> tuple[dict[str, Shape], Any]:
+    """Return the shape for one state of each input of an output, by name, and the type of its numbers."""
+    one = signatures[next(iter(products.functions.values()))]
+    return {name: shape for name, shape in one.inputs.items() if name not in OF_PRODUCTS}, one.dtype
+
+
+def _differentiable(
+    registered: Operator, signature: Signature, compiled: Rule, eager: Rule
+) -> tuple[Operator, Operator]:
+    """Return an operator with a rule for compiled code, and one with a rule for code outside of it."""
+    torch.library.register_autograd(registered, compiled.backward, setup_context=keep)
+    return registered, _function(registered, signature, eager)
 
 
 def _chosen(compiled: Operator, eager: Operator) -> Operator:
@@ -92,10 +109,15 @@ def _chosen(compiled: Operator, eager: Operator) -> Operator:
     return call
 
 
-def _registered(library: Library, signature: Signature) -> Operator:
-    """Register and return the operator of a function, without gradients."""
-    function = library.ufunc(signature.name)
-    title = f"{_NAMESPACE}::{library.source.model.name}_{signature.name}_{next(_NUMBERS)}"
+def _registered(name: str, signature: Signature, function: Callable[..., Any]) -> Operator:
+    """Register and return the operator of a function of arrays, without gradients.
+
+    Args:
+        name: Its name, to which a number is added.
+        signature: The function as PyTorch calls it.
+        function: The function, which takes arrays by name.
+    """
+    title = f"{_NAMESPACE}::{name}_{next(_NUMBERS)}"
     taken = ", ".join(f"Tensor {name}" for name in signature.inputs)
 
     def call(*tensors: Tensor) -> list[Tensor]:
@@ -147,66 +169,14 @@ def _aligned(
     ]
 
 
-@dataclass(frozen=True)
-class _Rule:
-    """The rule for gradients of an operator: derivatives of each state, times the gradients of the results.
-
-    Attributes:
-        signature: The function.
-        slopes: What there is of its derivatives.
-        signatures: All functions that were generated.
-        every: Their operators, complete when the rule is used.
-    """
-
-    signature: Signature
-    slopes: Sequence[Slopes]
-    signatures: Mapping[str, Signature]
-    every: Mapping[str, Operator]
-
-    def keep(self, ctx: Any, inputs: tuple[Tensor, ...], output: Any) -> None:
-        """Keep what the gradients depend on; PyTorch passes `ctx`, `inputs` and `output` by name."""
-        ctx.save_for_backward(*inputs)
-
-    def backward(self, ctx: Any, gradients: Sequence[Tensor]) -> tuple[Tensor | None, ...]:
-        """Return the gradient by each input, None where it is not wanted.
-
-        Raises:
-            OptionError: If there are no derivatives by an input, or they were not generated.
-        """
-        signature = self.signature
-        given = dict(zip(signature.inputs, ctx.saved_tensors, strict=True))
-        flags = ctx.needs_input_grad[: len(given)]  # PyTorch may add one for arguments of its own
-        wanted = [name for name, is_wanted in zip(given, flags, strict=True) if is_wanted]
-        _require_slopes(signature, wanted, self.slopes, self.signatures)
-        lead = signature.lead(ctx.saved_tensors)
-        rows = [one.reshape(*lead, size) for one, size in zip(gradients, signature.sizes, strict=True)]
-        along = torch.cat(rows, -1)
-        found: dict[str, Tensor] = {}
-        for one in self.slopes:
-            own = {name: columns for name, columns in one.columns.items() if name in wanted}
-            if own:
-                operands = [given[name] for name in self.signatures[one.function].inputs]
-                matrix = self.every[one.function](*operands)[one.place]
-                axes = matrix.dim() - len(self.signatures[one.function].outputs[one.place])
-                height, size = along.shape[-1], prod(matrix.shape[axes:])
-                matrix = matrix.reshape(*matrix.shape[:axes], height, size // height)
-                change = torch.einsum("...rk,...r->...k", matrix, along)
-                for name, columns in own.items():
-                    shaped = change[..., columns].reshape(*lead, *signature.inputs[name])
-                    found[name] = shaped.sum_to_size(given[name].shape)
-        return tuple(map(found.get, given))
-
-
-def _function(operator: Operator, rule: _Rule) -> Operator:
+def _function(operator: Operator, signature: Signature, rule: Rule) -> Operator:
     """Return the function of an operator and a rule, which PyTorch also differentiates in `torch.func`."""
-    signature = rule.signature
-
     base: Any = torch.autograd.Function
 
     class Differentiable(base):  # type: ignore[misc]
-        """The operator with the rule for its gradients."""
+        """The operator with the rule for its derivatives."""
 
-        setup_context = staticmethod(rule.keep)
+        setup_context = staticmethod(keep_for_both)
 
         @staticmethod
         def forward(*tensors: Tensor) -> tuple[Tensor, ...]:
@@ -215,8 +185,13 @@ def _function(operator: Operator, rule: _Rule) -> Operator:
 
         @staticmethod
         def backward(ctx: Any, *gradients: Tensor) -> Any:
-            """Return the gradient by each input, as `_Rule.backward`."""
+            """Return the gradient by each input, as `Rule.backward`."""
             return rule.backward(ctx, gradients)
+
+        @staticmethod
+        def jvp(ctx: Any, *directions: Tensor | None) -> Any:
+            """Return the change of each result along a direction, as `Rule.along`."""
+            return rule.along(ctx, directions)
 
         @staticmethod
         def vmap(info: Any, places: Any, *tensors: Tensor) -> tuple[Sequence[Tensor], tuple[int, ...]]:
@@ -226,34 +201,3 @@ def _function(operator: Operator, rule: _Rule) -> Operator:
 
     found: Operator = Differentiable.apply
     return found
-
-
-def _require_slopes(
-    signature: Signature,
-    wanted: Sequence[str],
-    slopes: Sequence[Slopes],
-    signatures: Mapping[str, Signature],
-) -> None:
-    """Make sure that there are derivatives of a function by some of its inputs.
-
-    Raises:
-        OptionError: If there are none, or they were not generated.
-    """
-    name = signature.name
-    by = {column: one.function for one in slopes for column in one.columns}
-    if missing := [one for one in wanted if one not in by]:
-        if name.endswith("_derivatives"):
-            raise OptionError(
-                f"{name}: PyTorch asks for second derivatives, which are not generated. Use a method that "
-                "needs first derivatives alone."
-            )
-        known = f"There are derivatives by {', '.join(by)}." if by else "There are no derivatives of it."
-        raise OptionError(
-            f"{name}: PyTorch asks for the gradient by {', '.join(missing)}. {known} Detach what is constant."
-        )
-    lacking = [function for one in wanted if (function := by[one]) not in signatures]
-    if lacking:
-        raise OptionError(
-            f"{name}: PyTorch asks for the gradient by {', '.join(wanted)}, and the library was built "
-            f"without {', '.join(dict.fromkeys(lacking))}. Ask for it with outputs=(...)."
-        )
