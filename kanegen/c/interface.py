@@ -24,9 +24,9 @@ PREPARE = "prepare"
 _TOGETHER = (EVALUATE, STATE_RATES, STATE_RATES_DERIVATIVES)
 """Names of functions that compute several outputs together."""
 
-LARGEST_BATCH_ROW = 8192
+LARGEST_BATCH_ROW = 16384
 """Numbers of one state that a batch function keeps on the stack for every SIMD lane,
-64 KiB a lane. A function with more evaluates its batch state by state."""
+128 KiB a lane. A function with more evaluates its batch state by state."""
 
 
 @dataclass(frozen=True)

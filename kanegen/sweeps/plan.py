@@ -34,8 +34,8 @@ _SECONDS = 0.1
 """Time in s that a chunk should take by its number of operations. An executor needs a millisecond or two for
 a chunk, also Dask; what was computed of a chunk that did not finish is lost."""
 
-_OPERATION = 1.5e-10
-"""Time in s of one operation of a state in a batch with SIMD, about."""
+_OPERATION = 4e-11
+"""Time in s of one operation of a state in a batch with AVX-512, about; it takes twice as long with AVX2."""
 
 _EVALUATIONS = 4
 """Evaluations of the rates in a step, about."""
