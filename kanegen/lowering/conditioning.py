@@ -35,6 +35,7 @@ from kanegen.program.precision import DOUBLE, Precision
 from kanegen.recursion import Methods, derive, methods
 from kanegen.recursion.outputs import (
     OUTPUTS,
+    SOLUTION_BY_STATE,
     SOLUTION_PARTS,
     accurately_solved,
     prerequisites,
@@ -119,6 +120,7 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     candidates = tuple(
         one if is_well and not one.refinement.steps else _through_solver(one) for one in candidates
     )
+    candidates = tuple(one for i, one in enumerate(candidates) if one not in candidates[:i])
     share = DEPENDENT_ROWS * precisions.precision_named(variant.precision).roundoff
     candidates = tuple(
         replace(one, refinement=replace(one.refinement, independent_rows=share)) for one in candidates
@@ -167,7 +169,8 @@ def _of_solution(
 
 def _through_solver(candidate: Candidate) -> Candidate:
     """Return a candidate whose derivatives of {ydot} are those of its solver, which alone is accurate."""
-    methods = {name: way for name, way in candidate.methods.items() if name != SOLUTION_PARTS}
+    parts = SOLUTION_PARTS, SOLUTION_BY_STATE
+    methods = {name: way for name, way in candidate.methods.items() if name not in parts}
     return replace(candidate, methods=methods)
 
 

@@ -4,7 +4,8 @@ A recursion of its own gives the derivatives of {f} and of the generalized force
 and {y} (`recursion.inverse_dynamics_derivatives`). What it leaves out, and derivatives by parameters, are
 differentiated instruction by instruction. For the solution {ydot} of [A]{ydot} = {f} + {tau} there are two
 ways. The derivative by {x}, {y}, a parameter or a load is -[A]^-1 times the derivative of inverse dynamics at
-constant {ydot} (`solution_columns`). This is cheap, because one elimination of [A] serves all columns.
+constant {ydot} (`solution_columns`). This is cheap, because one elimination of [A] serves all columns. Long
+chains have a recursion of their own, by articulated bodies (`articulated_columns`), where that costs less.
 
 But where {ydot} is refined, or has a solver that is more accurate than this elimination, the derivative would
 lose what {ydot} does not. There the solver itself is differentiated instruction by instruction, with its
@@ -17,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from kanegen.lowering.articulated_columns import ArticulatedColumns
 from kanegen.lowering.solution_columns import SolutionColumns
 from kanegen.model.system import System
 from kanegen.program.builder import Builder
@@ -91,6 +93,10 @@ class _Differentiation:
             copied = self._builder, self._program, self._moved, self._outputs[SOLUTION_PARTS]
             columns = SolutionColumns(*copied, self._solution_rows, self._columns, self._constants)
             return columns.output(self._array, self._zero)
+        if self._derivative.alternative in self._outputs:
+            part = self._outputs[self._derivative.alternative]
+            made = self._builder, self._program, self._moved, part, self._columns, self._constants
+            return ArticulatedColumns(*made).output(self._array, self._zero)
         rows = self._rows(base, self._moved)
         width = self._array.row
         values = tuple(row.get(column, self._zero) for row in rows for column in range(width))

@@ -17,11 +17,8 @@ from kanegen.program.constants import Constants
 from kanegen.program.elimination import Column, Elimination
 from kanegen.program.ir import Array, Op, Output, Program
 from kanegen.program.tangent import Tangent, seeded_tangents
+from kanegen.recursion.derivative_costs import LOOPED
 from kanegen.recursion.solution_derivatives import SolutionRows
-
-LOOPED = 120_000
-"""Operations of a solution for all columns from which loops take the place of straight-line code. Below,
-straight-line code has fewer operations, SIMD in batches, and is compiled in less than a minute."""
 
 STATE = ("x", "y")
 """Arrays by which the part holds derivatives of what motion requires."""

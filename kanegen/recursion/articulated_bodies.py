@@ -12,6 +12,7 @@ outward; see `shared_rates`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from sympy import Add, Expr, S
 
@@ -48,6 +49,21 @@ from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.symbols import generalized_force
 
 
+@dataclass(frozen=True)
+class Passed:
+    """A solution, with what passes the joints, inward of each element of the path of each body.
+
+    Attributes:
+        components: Free components of the accelerations, by freedom.
+        wrenches: Wrenches that articulated bodies need where nothing inward of them accelerates.
+        accelerations: Accelerations that the components further inward cause.
+    """
+
+    components: list[Expr]
+    wrenches: Mapping[int, Sequence[Wrench]]
+    accelerations: Mapping[int, Sequence[Sequence[Expr]]]
+
+
 class ArticulatedBodies:
     """The eliminations of a tree, which solve [A]{ydot} = {b} for any right side.
 
@@ -56,6 +72,7 @@ class ArticulatedBodies:
         paths: Path through the joint of each body, with the free components that are solved for, by body.
         pivots: Divisor of the elimination of each freedom.
         released: Freedoms of joints with three free translations or rotations.
+        inertias: Articulated inertias inward of each element of the path of each body.
         together: True.
     """
 
@@ -78,6 +95,7 @@ class ArticulatedBodies:
         self._eliminations: dict[int, Elimination] = {}
         self._shared_gains: dict[int, dict[int, Expr]] = {}
         self._shared_eliminations: dict[int, SharedElimination] = {}
+        self.inertias: dict[int, list[ArticulatedInertia]] = {}
         ground = rigid_body(Inertia())
         bodies = [ground, *(rigid_body(own) for own in tree.inertias)]
         unknown = [SharedRates() for _ in bodies]
@@ -99,7 +117,8 @@ class ArticulatedBodies:
         self, joint: JointMotion, body: ArticulatedInertia, unknown: SharedRates
     ) -> tuple[ArticulatedInertia, SharedRates]:
         """Return what body K passes inward, about the lower body's origin."""
-        definitions = self.tree.definitions
+        definitions, passed = self.tree.definitions, list[ArticulatedInertia]()
+        self.inertias[joint.body] = passed
         for element in self.paths[joint.body]:
             match element:
                 case FreeComponent(index, freedom, shares=shares, armature=armature, is_coupled=True):
@@ -121,6 +140,7 @@ class ArticulatedBodies:
                     unknown = unknown.shifted(offset, name, definitions)
                 case FreeTranslations():
                     pass  # No mass is left to transmit.
+            passed.append(body)
         return body, unknown
 
     def solve(self, bias: Requirement, name: str) -> list[Expr]:
@@ -130,17 +150,32 @@ class ArticulatedBodies:
             bias: What is required where all free components are zero.
             name: Prefix of the names of the components.
         """
-        return self.components(self._inward(self._joint_efforts(bias), bias.wrenches).over_pivots, name)
+        return self.passed(bias, name).components
+
+    def passed(self, bias: Requirement, name: str) -> Passed:
+        """Return the solution of `solve`, with what passes the joints.
+
+        Args:
+            bias: What is required where all free components are zero.
+            name: Prefix of the names of the components.
+        """
+        right_side, wrenches = self._inward(self.joint_efforts(bias), bias.wrenches)
+        components, accelerations = self._outward(right_side.over_pivots, name)
+        return Passed(components, wrenches, accelerations)
+
+    def elimination(self, freedom: int) -> Elimination:
+        """Return the elimination of a freedom."""
+        return self._eliminations[freedom]
 
     def reduced(self, bias: Requirement) -> Reduced:
         """Return the right side under {tau}, where `bias` is required at zero components, eliminated."""
-        return self._inward(self._joint_efforts(bias), bias.wrenches)
+        return self._inward(self.joint_efforts(bias), bias.wrenches)[0]
 
     def reduced_effort(self, place: int) -> Reduced:
         """Return a unit generalized force at a place in {y}, eliminated."""
         efforts = [S.One if i == place else S.Zero for i in range(len(self.pivots))]
         with self.tree.definitions.marking(f"_u{place}"):
-            return self._inward(efforts, [Wrench() for _ in self.tree.joints])
+            return self._inward(efforts, [Wrench() for _ in self.tree.joints])[0]
 
     def reduced_loads(self, one: Attached) -> list[Reduced]:
         """Return unit moments, then unit forces, at a point along the inertial axes, eliminated."""
@@ -163,24 +198,35 @@ class ArticulatedBodies:
         for k, load in loads.items():
             needed[k - 1] = Wrench(negate(load.force), negate(load.moment))
         with self.tree.definitions.marking(mark):
-            return self._inward([S.Zero] * len(self.pivots), needed)
+            return self._inward([S.Zero] * len(self.pivots), needed)[0]
 
     def inverse(self) -> Mapping[tuple[int, int], Expr]:
         """Return the entries of [A]^-1 by row and column."""
         return products(self)
 
-    def _inward(self, efforts: Sequence[Expr], wrenches: Sequence[Wrench]) -> Reduced:
-        """Return efforts on freedoms, less wrenches that bodies require, after every elimination."""
+    def _inward(
+        self, efforts: Sequence[Expr], wrenches: Sequence[Wrench]
+    ) -> tuple[Reduced, dict[int, list[Wrench]]]:
+        """Return efforts on freedoms, less wrenches that bodies require, after every elimination.
+
+        Args:
+            efforts: Generalized forces by freedom.
+            wrenches: Wrenches by body.
+
+        Returns:
+            The eliminated efforts, and the wrenches inward of each element of the path of each body.
+        """
         tree, definitions = self.tree, self.tree.definitions
         along_components = self._component_efforts(efforts)
         left: dict[int, Expr] = {}
         alone: dict[int, Expr] = {}
         carried = [Wrench(), *wrenches]
+        passed: dict[int, list[Wrench]] = {}
         required: list[dict[int, Expr]] = [{} for _ in carried]
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
             tree.about(k, "forces on the articulated body, Eq. (42)")
-            wrench = carried[k]
+            wrench, passed[k] = carried[k], []
             for element in self.paths[k]:
                 match element:
                     case FreeComponent(is_coupled=True):
@@ -202,6 +248,7 @@ class ArticulatedBodies:
                         wrench = element.inward(wrench, efforts)
                     case _:
                         wrench = element.inward(wrench, definitions)
+                passed[k].append(wrench)
             if j:
                 carried[j] = carried[j].plus(wrench, f"{j}", definitions)
             for place, needed in required[k].items():
@@ -209,7 +256,7 @@ class ArticulatedBodies:
                 required[j][place] = definitions.define(f"er_{j}_{place}", total)
         for place in self._at_ground:
             self._eliminate_shared(place, Wrench(), required[0], along_components, left, alone)
-        return Reduced(left, alone)
+        return Reduced(left, alone), passed
 
     def _eliminate_shared(
         self,
@@ -244,14 +291,22 @@ class ArticulatedBodies:
                 component where all others are zero.
             name: Prefix of the names of the components.
         """
+        return self._outward(over_pivots, name)[0]
+
+    def _outward(
+        self, over_pivots: Mapping[int, Expr], name: str
+    ) -> tuple[list[Expr], dict[int, list[Sequence[Expr]]]]:
+        """Return what `components` does, and the accelerations inward of each element of each path."""
         found: dict[int, Expr] = {}
-        accelerations = {0: GROUND_ACCELERATION}
+        accelerations: dict[int, tuple[Expr, ...]] = {0: GROUND_ACCELERATION}
+        passed: dict[int, list[Sequence[Expr]]] = {}
         for place in reversed(self._at_ground):
             self._solve_shared(place, over_pivots, GROUND_ACCELERATION, found, name)
         for joint in self.tree.joints:
             self.tree.about(joint.body, "accelerations, Eq. (42)")
-            a = accelerations[joint.lower]
+            a, passed[joint.body] = accelerations[joint.lower], []
             for element in reversed(self.paths[joint.body]):
+                passed[joint.body].insert(0, a)
                 match element:
                     case FreeComponent(i, freedom, is_coupled=True):
                         moved = a[i] + element.acceleration(found)
@@ -271,7 +326,7 @@ class ArticulatedBodies:
                     case _:
                         a = element.outward(a, self.tree.definitions)
             accelerations[joint.body] = a
-        return [found[i] for i in range(len(found))]
+        return [found[i] for i in range(len(found))], passed
 
     def _solve_shared(
         self,
@@ -331,8 +386,12 @@ class ArticulatedBodies:
             for one in joint.translations
         }
 
-    def _joint_efforts(self, bias: Requirement) -> list[Expr]:
-        """Return {tau} plus the efforts of force elements, less those that motors take, by freedom."""
+    def joint_efforts(self, bias: Requirement) -> list[Expr]:
+        """Return {tau} plus the efforts of force elements, less those that motors take, by freedom.
+
+        Args:
+            bias: What is required where all free components are zero, with the efforts of motors.
+        """
         tree, acting = self.tree, element_efforts(self.tree)
         result: list[Expr] = [generalized_force(f.body, f.index) for f in tree.system.freedoms]
         shares = {one.number: one.shares for joint in tree.joints for one in joint.freedoms}

@@ -101,11 +101,13 @@ class ArticulatedInertia:
         inertia: Moment by angular acceleration (kg m^2).
         coupling: Rows of moment by acceleration of the origin (kg m).
         mass: Force by acceleration of the origin (kg).
+        letter: Beginning of the names of intermediates.
     """
 
     inertia: Symmetric
     coupling: Rows
     mass: Symmetric
+    letter: str = "S"
 
     def plus(self, other: ArticulatedInertia, name: str, definitions: Definitions) -> ArticulatedInertia:
         """Return the sum of this matrix and another, with a symbol for every entry."""
@@ -113,15 +115,17 @@ class ArticulatedInertia:
             add_symmetric(self.inertia, other.inertia),
             _rows([add(a, b) for a, b in zip(self.coupling, other.coupling, strict=True)]),
             add_symmetric(self.mass, other.mass),
+            self.letter,
         ).named(name, definitions)
 
     def named(self, name: str, definitions: Definitions) -> ArticulatedInertia:
         """Return the same matrix with a symbol for every entry."""
-        rows = zip(AXES, self.coupling, strict=True)
+        rows, letter = zip(AXES, self.coupling, strict=True), self.letter
         return ArticulatedInertia(
-            definitions.symmetric(f"SI_{name}", self.inertia),
-            _rows([definitions.vector(f"SH_{name}_{axis}", row) for axis, row in rows]),
-            definitions.symmetric(f"SM_{name}", self.mass),
+            definitions.symmetric(f"{letter}I_{name}", self.inertia),
+            _rows([definitions.vector(f"{letter}H_{name}_{axis}", row) for axis, row in rows]),
+            definitions.symmetric(f"{letter}M_{name}", self.mass),
+            letter,
         )
 
     def eliminated(
@@ -157,7 +161,7 @@ class ArticulatedInertia:
         for i in SIX:
             matrix[index][i] = matrix[i][index] = kept * matrix[index][i] - own_gain * spin[i]
         found = Elimination(index, name, pivot, inverse, gains, own_gain, kept)
-        return _from_matrix(matrix).named(name, definitions), found
+        return from_matrix(matrix).named(name, definitions), found
 
     def less(
         self, column: Sequence[Expr], gains: Mapping[int, Expr], name: str, definitions: Definitions
@@ -167,18 +171,19 @@ class ArticulatedInertia:
         for i in gains:
             for j in gains:
                 matrix[i][j] -= gains[min(i, j)] * column[max(i, j)]
-        return _from_matrix(matrix).named(name, definitions)
+        return from_matrix(matrix).named(name, definitions)
 
     def down(self, turn: Turn, name: str, definitions: Definitions) -> ArticulatedInertia:
         """Return the matrix in components of the frame below a turn."""
-        rows = [turn.down(row) for row in self.coupling]
-        rows = [definitions.vector(f"SHr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True)]
+        rows, letter = [turn.down(row) for row in self.coupling], self.letter
+        turned = zip(AXES, rows, strict=True)
+        rows = [definitions.vector(f"{letter}Hr_{name}_{axis}", row) for axis, row in turned]
         columns = [turn.down(Vector(rows[0][j], rows[1][j], rows[2][j])) for j in range(3)]
         return replace(
             self,
-            inertia=turn.down_symmetric(definitions, f"SI_{name}", self.inertia),
+            inertia=turn.down_symmetric(definitions, f"{letter}I_{name}", self.inertia),
             coupling=_rows([Vector(columns[0][i], columns[1][i], columns[2][i]) for i in range(3)]),
-            mass=turn.down_symmetric(definitions, f"SM_{name}", self.mass),
+            mass=turn.down_symmetric(definitions, f"{letter}M_{name}", self.mass),
         ).named(name, definitions)
 
     def shifted(self, d: Vector, name: str, definitions: Definitions) -> ArticulatedInertia:
@@ -190,7 +195,7 @@ class ArticulatedInertia:
         columns = [cross(d, Vector(*mass[j])) for j in range(3)]
         coupling = [
             definitions.vector(
-                f"SH_{name}_{AXES[i]}",
+                f"{self.letter}H_{name}_{AXES[i]}",
                 add(self.coupling[i], Vector(columns[0][i], columns[1][i], columns[2][i])),
             )
             for i in range(3)
@@ -204,7 +209,8 @@ class ArticulatedInertia:
                 for (i, j), name_ij in INDEX.items()
             }
         )
-        return ArticulatedInertia(inertia, _rows(coupling), self.mass).named(name, definitions)
+        moved = ArticulatedInertia(inertia, _rows(coupling), self.mass, self.letter)
+        return moved.named(name, definitions)
 
     def matrix(self) -> list[list[Expr]]:
         """Return [S] row by row."""
@@ -230,12 +236,13 @@ def rigid_body(inertia: Inertia) -> ArticulatedInertia:
     return ArticulatedInertia(inertia.inertia, coupling, mass)
 
 
-def _from_matrix(matrix: list[list[Expr]]) -> ArticulatedInertia:
-    """Return the blocks of [S]."""
+def from_matrix(matrix: Sequence[Sequence[Expr]], letter: str = "S") -> ArticulatedInertia:
+    """Return the blocks of [S]; `letter` as for `ArticulatedInertia`."""
     return ArticulatedInertia(
         Symmetric(**{name: matrix[i][j] for (i, j), name in INDEX.items()}),
         _rows([Vector(*matrix[i][3:]) for i in range(3)]),
         Symmetric(**{name: matrix[3 + i][3 + j] for (i, j), name in INDEX.items()}),
+        letter,
     )
 
 

@@ -10,7 +10,7 @@ from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion import factorisation
 from kanegen.recursion.articulated_bodies import ArticulatedBodies
-from kanegen.recursion.outputs.derivatives import PARTS
+from kanegen.recursion.outputs.derivatives import PARTS, SOLUTION_BY_STATE, SOLUTION_PARTS
 from kanegen.recursion.outputs.output import OfSolution, Recursion
 from kanegen.recursion.outputs.table import DERIVED
 from kanegen.recursion.pivot_margins import PivotMargins
@@ -21,8 +21,11 @@ from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived, Tree, tree, with_own_inertias
 from kanegen.symbolic.definitions import Definition
 
+ARTICULATED = "articulated bodies"
+"""Name of the solver that can derive derivatives itself."""
+
 SOLVERS: dict[str, Callable[[Tree], Solver]] = {
-    "articulated bodies": ArticulatedBodies,
+    ARTICULATED: ArticulatedBodies,
     "factorisation": factorisation.Factorisation,
 }
 """The solvers of [A]{ydot} = {b} by name; the first is the most accurate."""
@@ -71,9 +74,18 @@ def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") ->
         }
         for way in solvers
     )
-    if PARTS.keys().isdisjoint(outputs) or len(system.freedoms) > MOST_FREEDOMS_COMPARED:
-        return ways
-    return ways + tuple({name: way[name] for name in way if name not in PARTS} for way in ways)
+    by_tangents: tuple[Methods, ...] = ()
+    if not PARTS.keys().isdisjoint(outputs) and len(system.freedoms) <= MOST_FREEDOMS_COMPARED:
+        by_tangents = tuple({name: way[name] for name in way if name not in PARTS} for way in ways)
+    return tuple(one for way in ways for one in _with_one_part(way)) + by_tangents
+
+
+def _with_one_part(way: Methods) -> tuple[Methods, ...]:
+    """Return a way with one of the parts that have derivatives of {ydot} at a time, if it has both."""
+    if SOLUTION_BY_STATE not in way:
+        return (way,)
+    left_out = (SOLUTION_BY_STATE, SOLUTION_PARTS)[: 2 if way[SOLUTION_BY_STATE] == ARTICULATED else 1]
+    return tuple({name: way[name] for name in way if name != part} for part in left_out)
 
 
 def _solvers(system: System, solver: str) -> tuple[str, ...]:

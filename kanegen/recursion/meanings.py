@@ -380,6 +380,46 @@ NAMES = (
     ("Lb_{n}_{i}", "component i of the operational bias of frame n"),
     ("ydot_{n}", "entry of {ydot}, or the component of the acceleration of the body in its place"),
     ("r_{n}", "component of the acceleration that a body has with the freedom at place n"),
+    # Derivatives by articulated bodies, with components of accelerations and loads counted from 0
+    (
+        "BN_{P}_{x}_{y}",
+        "moment that articulated body P needs by angular velocity, or what is left without freedom P",
+    ),
+    ("BN_{K}own_{x}_{y}", "moment that body K needs by angular velocity for its own motion (kg m^2/s)"),
+    ("BF_{P}_{x}_{y}", "the same as BN_P, force"),
+    ("BF_{K}own_{x}_{y}", "the same as BN_Kown, force (kg m/s)"),
+    ("pb_{K}_{x}", "twice the momentum of body K past the first body that turns (kg m/s)"),
+    ("hb_{K}_{x}", "product of vm_K and first moment (kg m^2/s)"),
+    ("gw_{n}_{x}", "gain: what the freedom at place n takes per unit of angular velocity"),
+    (
+        "YI_{P}_{xx}",
+        "compliance of body P, or of the body that freedom P moves: acceleration of the origin by force",
+    ),
+    ("YH_{P}_{x}_{y}", "the same, acceleration of the origin by moment"),
+    ("YM_{P}_{xx}", "the same, angular acceleration by moment"),
+    ("Yl_{n}_{i}", "acceleration i below the freedom at place n for a unit load along it, above it"),
+    ("Ye_{n}_{i}", "less acceleration i below the freedom at place n for a unit generalized force on it"),
+    ("Yf_{n}", "acceleration above the freedom at place n, along it, for a unit generalized force on it"),
+    ("Yd_{n}", "acceleration above the freedom at place n, along it, for a unit load along it there"),
+    ("qt_{n}_{x}", "angular acceleration below the freedom at place n (rad/s^2)"),
+    ("at_{n}_{x}", "acceleration of the origin below the freedom at place n, less gravity (m/s^2)"),
+    ("ft_{n}_{x}", "force that passes the freedom at place n (N)"),
+    ("nt_{n}_{x}", "moment that passes the freedom at place n (N m)"),
+    (
+        "mx_{n}_{i}",
+        "change of acceleration i below the freedom at place n, as seen above it, by its coordinate",
+    ),
+    ("mv_{n}_{i}", "the same by its speed"),
+    ("nx_{n}_{i}", "change of component i of the moment and force that pass it, by its coordinate"),
+    ("nv_{n}_{i}", "the same by its speed"),
+    ("lx_{n}_{i}", "mx_n_i, where the bodies below have given way to nx_n"),
+    ("lv_{n}_{i}", "mv_n_i, where the bodies below have given way to nv_n"),
+    ("qk_{K}_{i}", "acceleration i of body K"),
+    ("rN_{P}_{x}", "moment on body P, or what passes freedom P"),
+    ("rF_{P}_{x}", "force on body P, or what passes freedom P"),
+    ("rw_{P}_{x}", "acceleration of the freedom by angular velocity of body P, or below freedom P"),
+    ("yx_{n}_{m}", "derivative of entry n of {ydot} by the coordinate of the freedom at place m"),
+    ("yv_{n}_{m}", "derivative of entry n of {ydot} by the speed of the freedom at place m"),
     # Contacts, with rows counted from 1
     ("ga_{P}_{x}", "acceleration of gravity, in P (m/s^2)"),
     ("cg_{n}_{x}", "acceleration of what contact n holds, in its body, where ydot_m would be zero (m/s^2)"),
@@ -432,10 +472,10 @@ MARKS = (
 )
 """Meanings of the endings of names."""
 
-TURNED = ("Ic_{P}", "Ic_{K}r{P}", "SI_{P}", "SM_{P}")
+TURNED = ("Ic_{P}", "Ic_{K}r{P}", "SI_{P}", "SM_{P}", "YI_{P}", "YM_{P}")
 """Symmetric matrices that pass turns."""
 
-TURNED_WHOLE = ("Qr_{P}",)
+TURNED_WHOLE = ("Qr_{P}", "BN_{P}", "BF_{P}", "YH_{P}")
 """Other matrices that pass turns, in names that end with row and column."""
 
 TURN_STEPS = (

@@ -8,6 +8,8 @@ from functools import cached_property
 import sympy
 from sympy import Expr, Rational, S
 
+from kanegen.recursion.articulated_bodies import ArticulatedBodies
+from kanegen.recursion.articulated_rows import articulated_rows
 from kanegen.recursion.body_motion import BodyMotion, body_motions
 from kanegen.recursion.constraints import Constraints
 from kanegen.recursion.contact import HeldContacts
@@ -87,6 +89,16 @@ class Solution:
     def parts_of_derivatives(self) -> Derived:
         """Derive the rows of `SolutionRows`, from which derivatives of unrefined {ydot} are made."""
         return solution_parts(self._tree, self._refinement, together=self._solver.together)
+
+    def derivatives_by_state(self) -> Derived:
+        """Derive the rows of `ArticulatedRows`, which hold the derivatives of unrefined {ydot}.
+
+        Raises:
+            TypeError: If the solver does not eliminate by articulated bodies.
+        """
+        if not isinstance(self._solver, ArticulatedBodies):
+            raise TypeError(self._solver)
+        return articulated_rows(self._solver, self._motions, self._bias, self._refinement)
 
     def _unrefined_margins(self) -> Sequence[Expr]:
         """Return expressions by freedom that are positive where a result that is not refined is accurate."""

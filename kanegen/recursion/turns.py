@@ -9,7 +9,7 @@ rotation, with the rates of its coordinates, is added in this module alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from sympy import Add, Expr, Rational, S
@@ -38,6 +38,11 @@ class Turn(Protocol):
     @property
     def cost(self) -> int:
         """Number of operations that turn a vector."""
+        ...
+
+    @property
+    def reversed(self) -> Turn:
+        """The turn from the upper frame to the lower one."""
         ...
 
     def up(self, v: Vector) -> Vector:
@@ -77,6 +82,11 @@ class PlanarTurn:
     def cost(self) -> int:
         """Number of operations that turn a vector."""
         return 6
+
+    @property
+    def reversed(self) -> Turn:
+        """The turn from the upper frame to the lower one."""
+        return replace(self, sine=-self.sine, angle=None if self.angle is None else -self.angle)
 
     def up(self, v: Vector) -> Vector:
         """Return upper components of a vector from its lower components."""
@@ -163,6 +173,12 @@ class MatrixTurn:
         return sum(dot_cost(row) for row in self.matrix)
 
     @property
+    def reversed(self) -> MatrixTurn:
+        """The turn from the upper frame to the lower one."""
+        x, y, z = self._transpose
+        return MatrixTurn((x, y, z))
+
+    @property
     def _transpose(self) -> tuple[Vector, ...]:
         """The rows of the transposed matrix."""
         return tuple(Vector(*(row[j] for row in self.matrix)) for j in range(3))
@@ -210,6 +226,11 @@ class ComposedTurn:
     def cost(self) -> int:
         """Number of operations that turn a vector."""
         return self.product.cost
+
+    @property
+    def reversed(self) -> ComposedTurn:
+        """The turn from the upper frame to the lower one."""
+        return ComposedTurn(self.product.reversed, tuple(part.reversed for part in reversed(self.parts)))
 
     def up(self, v: Vector) -> Vector:
         """Return upper components of a vector from its lower components."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -41,7 +42,11 @@ def inputs_of(module: Module, system: kg.System, seed: int) -> dict[str, list[An
     return flat
 
 
-def agree(system: kg.System, name: str, seed: int, within: float) -> None:
+Ways = Callable[[kg.System, str], tuple[Module, Module]]
+"""A function that returns the programs of an output by two ways."""
+
+
+def agree(system: kg.System, name: str, seed: int, within: float, ways: Ways = modules) -> None:
     """Check that both ways give the same numbers and conditions, in 50 digits.
 
     Args:
@@ -49,10 +54,11 @@ def agree(system: kg.System, name: str, seed: int, within: float) -> None:
         name: Name of the output.
         seed: Seed of the state.
         within: Share of the largest number; the constants of both programs are doubles.
+        ways: The two ways.
     """
     with mpmath.workdps(50):
         found, conditions = [], set()
-        for module in modules(system, name):
+        for module in ways(system, name):
             (program,) = module.functions.values()
             (values,) = evaluate(program, inputs_of(module, system, seed), mpmath, mpmath.mpf).values()
             found.append(list(values))

@@ -8,7 +8,7 @@ method of `Library`, and one function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
-from kanegen.recursion.outputs.derivatives import SOLUTION_PARTS
+from kanegen.recursion.outputs.derivatives import SOLUTION_BY_STATE, SOLUTION_PARTS
 from kanegen.recursion.outputs.differentiated import Derivative, Product, SecondDerivative
 from kanegen.recursion.outputs.inputs import argument_arrays, input_arrays
 from kanegen.recursion.outputs.integrators import (
@@ -65,6 +65,7 @@ __all__ = [
     "RATES",
     "RATES_DERIVATIVES",
     "SECOND_DERIVATIVES",
+    "SOLUTION_BY_STATE",
     "SOLUTION_PARTS",
     "Derivative",
     "ErrorBound",

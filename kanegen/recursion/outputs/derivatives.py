@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from kanegen.model.system import System
 from kanegen.program.ir import Array
+from kanegen.recursion.articulated_rows import ArticulatedRows
 from kanegen.recursion.inverse_dynamics_derivatives import (
     forcing_by_state,
     forcing_of_elements,
@@ -50,6 +51,9 @@ _OF_INPUTS = ("forcing", "inverse_dynamics", "forward_dynamics")
 SOLUTION_PARTS = "forward_dynamics_parts"
 """Name of the part from which all derivatives of {ydot} are made, where the system has it."""
 
+SOLUTION_BY_STATE = "forward_dynamics_by_state"
+"""Name of the part with the derivatives of {ydot} by articulated bodies, an alternative to the other."""
+
 INVERSE_DYNAMICS_PARTS = ("inverse_dynamics_by_state", "inverse_dynamics_of_elements")
 """Names of the parts of derivatives of inverse dynamics."""
 
@@ -59,6 +63,9 @@ _PARTS = {
     "forward_dynamics": (SOLUTION_PARTS,),
 }
 """Names of the parts that give the derivatives of an output, where the system has them."""
+
+_ALTERNATIVES = {"forward_dynamics": SOLUTION_BY_STATE}
+"""Names of the parts that can take the place of these where that costs less."""
 
 _PARTS_BY_INPUTS = {"forward_dynamics": _PARTS["forward_dynamics"]}
 """The same for derivatives by inputs from outside."""
@@ -99,6 +106,18 @@ def _of_solution() -> Output:
     )
 
 
+def _of_solution_by_state() -> Output:
+    """Return the part with the derivatives of {ydot} by articulated bodies."""
+
+    def array(system: System) -> Array:
+        rows = ArticulatedRows(len(system.freedoms))
+        shape = rows.count, rows.freedoms
+        return Array(SOLUTION_BY_STATE, shape, "SI", "rows of derivatives", of_freedoms=True)
+
+    derivation = OfSolution(Solution.derivatives_by_state, is_accurate=False)
+    return Output(SOLUTION_BY_STATE, array, ("x", "y", "tau", *LOADS), derivation)
+
+
 PARTS = {
     part.name: part
     for part in (
@@ -107,6 +126,7 @@ PARTS = {
         _by_state("inverse_dynamics_by_state", inverse_dynamics_by_state),
         _of_elements("inverse_dynamics_of_elements", inverse_dynamics_of_elements),
         _of_solution(),
+        _of_solution_by_state(),
     )
 }
 """Parts of derivatives that are derived by recursions, by name. They are no outputs for users."""
@@ -123,7 +143,7 @@ def derivatives_of(outputs: Iterable[Output]) -> tuple[Output, ...]:
             entries,
             name,
             f"{name}_derivatives",
-            Derivative(of, (name,), by, parts=_PARTS.get(name, ())),
+            Derivative(of, (name,), by, parts=_PARTS.get(name, ()), alternative=_ALTERNATIVES.get(name, "")),
             entries[name].subject,
         )
         for name, of, by in _DIFFERENTIATED

@@ -80,9 +80,11 @@ class Derivative(Differentiated):
     Attributes:
         parts: Names of the entries of `PARTS` from which derivatives by {x} and {y} come where a system has
             them: these derivatives, and a further term to differentiate. Empty where there are none.
+        alternative: Name of a part that can take the place of `parts` where that costs less; or empty.
     """
 
     parts: tuple[str, ...] = ()
+    alternative: str = ""
 
     @property
     def method(self) -> str:

@@ -11,6 +11,7 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
+from kanegen.recursion.derivative_costs import may_cost_less
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.derivatives import SOLUTION_PARTS
 from kanegen.recursion.outputs.differentiated import (
@@ -103,7 +104,8 @@ def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple
 
     Args:
         outputs: Names of outputs.
-        system: The tree, for which the names of parts of derivatives are added where it has them.
+        system: The tree, for which the names of parts of derivatives are added where it has them, with those
+            of alternatives that are worth counting.
     """
     found: list[str] = []
     for name in outputs:
@@ -114,7 +116,17 @@ def prerequisites(outputs: Sequence[str], system: System | None = None) -> tuple
                 found += derivation.parts if _takes_parts(derivation, system) else ()
         elif not isinstance(derivation, ErrorBound):
             found.append(name)
+    if system is not None:
+        found += _alternatives(outputs, system)
     return tuple(dict.fromkeys(found))
+
+
+def _alternatives(outputs: Sequence[str], system: System) -> tuple[str, ...]:
+    """Return the part that can take the place of `SOLUTION_PARTS`, if all that need these can take it."""
+    derivations = (OUTPUTS[name].derivation for name in outputs)
+    needing = [one for one in derivations if isinstance(one, Derivative) and SOLUTION_PARTS in one.parts]
+    found = {one.alternative for one in needing}
+    return tuple(found) if found and "" not in found and may_cost_less(system) else ()
 
 
 def _takes_parts(derivation: Derivative | SecondDerivative, system: System) -> bool:
