@@ -91,7 +91,7 @@ OPERATIONS = {
     "panda": 5586,
     "go2": 18762,
     "hyq": 20541,
-    "chain20": 37984,
+    "chain20": 37999,
     "talos_reduced": 96491,
 }
 """Additions, multiplications and divisions of all derivatives of {ydot}, by robot."""
