@@ -26,13 +26,13 @@ from kanegen.measure.machine import Machine
 from kanegen.options import STRICT, Variant
 from kanegen.program.count import count
 from kanegen.recursion.outputs.derivatives import PARTS
+from kanegen.studies.bench.settings import DEFAULT_AVX2, keeping_bits
 
 OUTPUTS = ("inverse_dynamics_derivatives", "forward_dynamics_derivatives")
 PRODUCTS = ("jvp", "vjp", "hvp")
 ARITHMETIC = ("add", "multiply", "divide")
 STATES = 4096
 ROUNDS = 15
-AVX2 = ("-O2", "-ffp-contract=off", "-march=x86-64-v3")
 
 
 def main() -> None:
@@ -90,7 +90,7 @@ def _print_times(name: str, system: kg.System) -> None:
     outputs = ("forward_dynamics", "forcing")
     libraries = {
         "portable": kg.build(system, outputs, tier=Variant(machine="portable")),
-        "AVX2": kg.build(system, outputs, flags=AVX2),
+        "AVX2": kg.build(system, outputs, flags=keeping_bits(DEFAULT_AVX2).flags),
         "default": kg.build(system, outputs),
     }
     states = np.random.default_rng(0).uniform(-1, 1, (2, STATES, libraries["default"].n))

@@ -29,8 +29,12 @@ from kanegen.program.cut import cut
 from kanegen.program.ir import Program
 from kanegen.program.machine import instructions
 from kanegen.program.orders import by_rows, depth_first, longest_chain_first
+from kanegen.program.semantics import UNFUSED
+from kanegen.studies.bench.settings import DEFAULT_AVX2
 
-FLAGS = ("-std=c99", "-O2", "-fPIC", "-ffp-contract=off", "-march=x86-64-v3")
+FLAGS = ("-std=c99", "-fPIC", *DEFAULT_AVX2.flags, UNFUSED)
+"""Flags of the default build on a processor with AVX2, with the one that gcc 12.1 and 12.2 need."""
+
 OUTPUTS = (
     ("mass_matrix", "forcing"),
     ("inverse_dynamics_derivatives",),

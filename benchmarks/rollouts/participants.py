@@ -25,7 +25,7 @@ from kanegen.studies.bench.peers.mujoco_peer import MUJOCO, mjcf, mujoco_library
 from kanegen.studies.bench.peers.pinocchio_peer import BOOST, PINOCCHIO, joint_table
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.results import Task
-from kanegen.studies.bench.settings import AS_SHIPPED, CONTRACTED, Setting
+from kanegen.studies.bench.settings import AS_SHIPPED, CONTRACTED, DEFAULT_AVX2, Setting, keeping_bits
 from kanegen.studies.bench.states import write_states
 
 HERE = Path(__file__).parent
@@ -45,7 +45,7 @@ AVX2 = Setting("AVX2", ("-O3", "-march=x86-64-v3"))
 AVX512 = Setting("AVX-512", ("-O3", "-march=x86-64-v4", "-mprefer-vector-width=512"))
 """Eight states an instruction, with fused products and sums."""
 
-STRICT_AVX2 = Setting("AVX2, strict", ("-O2", "-ffp-contract=off", "-march=x86-64-v3"))
+STRICT_AVX2 = Setting("AVX2, strict", DEFAULT_AVX2.flags)
 """The semantics of the default build, whose bits are the same everywhere."""
 
 
@@ -97,7 +97,7 @@ def builders(problem: Problem, many: ActuatedStates, machine: Sequence[str]) -> 
         machine: Names of the instruction sets of this processor.
     """
     states = write_states(many, problem.folder / "many")
-    settings = [CONTRACTED, AVX2, STRICT_AVX2, *([AVX512] if "avx512f" in machine else [])]
+    settings = [CONTRACTED, AVX2, keeping_bits(STRICT_AVX2), *([AVX512] if "avx512f" in machine else [])]
     yield PINOCCHIO, lambda: _pinocchio(problem)
     for setting in settings:
         yield f"{KANEGEN} {setting.name}", lambda setting=setting: _kanegen(problem, states, setting)

@@ -98,10 +98,14 @@ def here(settings: Sequence[Setting]) -> list[Setting]:
     """
     narrower = (DEFAULT_AVX2, CONTRACTED_AVX2)
     chosen = [one for one in settings if one not in narrower or widest() == AVX512]
-    return [_keeping_bits(one) if one in (DEFAULT, DEFAULT_AVX2, PORTABLE) else one for one in chosen]
+    return [keeping_bits(one) if one in (DEFAULT, DEFAULT_AVX2, PORTABLE) else one for one in chosen]
 
 
-def _keeping_bits(setting: Setting) -> Setting:
-    """Return a setting with the flags that the compiler of this machine needs for strict arithmetic."""
+def keeping_bits(setting: Setting) -> Setting:
+    """Return a setting with the flags that the compiler of this machine needs for strict arithmetic.
+
+    Raises:
+        BuildError: If there is no C compiler, or it fails.
+    """
     strict = frozenset(guaranteed_properties(STRICT.semantics))
     return replace(setting, flags=selftest.with_remedies(compilers.find(), setting.flags, strict))
