@@ -24,6 +24,7 @@ from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.plane_rotations import plane_rotations
+from kanegen.program.roots import slopes_of_sum
 from kanegen.program.selection import dependencies
 from kanegen.program.tangent import slope_of_tanh
 
@@ -250,35 +251,15 @@ class _Sweep:
 
         Where a root is 0, its slope has no limit. But where also that of its radicand is 0, as that of a sum
         of squares, the root is at a minimum, and 0 is the derivative, as in `tangent`. So the slopes of the
-        radicand by the factors of its terms are formed first.
+        radicand by the factors of its terms are formed first. A magnitude among these has itself a slope that
+        counts as 0, see `roots`; its share is 0 where the adjoint of the root is.
         """
         make = self._builder
-        for j, slope in self._slopes_of_sum(radicand).items():
+        slopes = slopes_of_sum(make, self._program, self._moved, radicand, self._one)
+        for j, slope in slopes.items():
             steep = make.multiply(slope, make.divide(self._half, root))
             here = make.function(Op.SELECT, make.function(Op.ABS, slope), steep, self._zero)
-            yield j, make.multiply(adjoint, here)
-
-    def _slopes_of_sum(self, i: int) -> dict[int, int]:
-        """Return the derivatives of a sum by the factors of its terms, by instruction."""
-        make, found = self._builder, dict[int, int]()
-        waiting = [(i, self._one)]
-        while waiting:
-            j, slope = waiting.pop()
-            x = self._program.instructions[j]
-            match x.op:
-                case Op.ADD:
-                    parts = [(k, slope) for k in x.operands]
-                case Op.SUBTRACT:
-                    parts = [(x.operands[0], slope), (x.operands[1], make.negate(slope))]
-                case Op.NEGATE:
-                    parts = [(x.operands[0], make.negate(slope))]
-                case Op.MULTIPLY:
-                    (k, m), (a, b) = x.operands, (self._moved[one] for one in x.operands)
-                    for one, value in ((k, make.multiply(slope, b)), (m, make.multiply(slope, a))):
-                        found[one] = make.add(found[one], value) if one in found else value
-                    continue
-                case _:
-                    found[j] = make.add(found[j], slope) if j in found else slope
-                    continue
-            waiting += parts
-        return found
+            share = make.multiply(adjoint, here)
+            if self._program.instructions[j].op is Op.ABS:
+                share = make.function(Op.SELECT, make.function(Op.ABS, adjoint), share, self._zero)
+            yield j, share

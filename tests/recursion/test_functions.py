@@ -91,6 +91,9 @@ def derivatives(system: kg.System, x: list[float], y: list[float]) -> np.ndarray
         ("sqrt(x.q**2 + x.p**2)*x.q", 0.0, 0.0, 0.0),
         ("sqrt(abs(x.q))*abs(x.q)", 0.0, 0.0, 0.0),
         ("sqrt(x.q**2 + x.p**2)**3", 0.0, 0.0, 0.0),
+        ("x.q*sqrt(abs(x.q))", 0.0, 0.0, 0.0),
+        ("-x.q*(3 + sqrt(abs(x.q) + abs(x.p)))", 0.0, 0.0, -3.0),
+        ("sqrt(abs(x.q))", -4.0, 0.0, -0.25),
     ],
 )
 def test_derivatives(text: str, x: float, y: float, expected: float) -> None:
@@ -99,12 +102,41 @@ def test_derivatives(text: str, x: float, y: float, expected: float) -> None:
     assert not found[1:].any()
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("x.q*sqrt(abs(x.q))", 0.0),
+        ("-x.q*(3 + sqrt(abs(x.q) + abs(x.p)))", -3.0),
+        ("abs(x.q)", 0.0),
+        ("sqrt(abs(x.q))", math.nan),
+        ("3*sqrt(abs(2*x.q) + x.p**2)", math.nan),
+    ],
+)
+def test_products_with_derivatives_at_kinks_are_those_of_derivatives(text: str, expected: float) -> None:
+    outputs = ("forcing_jvp", "forcing_vjp", "forcing_derivatives")
+    library = kg.build(slide(text), outputs).with_on_status("ignore")
+    rest = [0.0, 0.0]
+    along = library.forcing_jvp(rest, rest, np.eye(library.forcing_derivatives(rest, rest).shape[1])[0])
+    found = (
+        along[0],
+        library.forcing_vjp(rest, rest, [1.0, 0.0])[0],
+        library.forcing_derivatives(rest, rest)[0, 0],
+    )
+    assert found == pytest.approx((expected,) * 3, nan_ok=True)
+
+
 def test_quadratic_drag_has_the_derivative_zero_at_rest() -> None:
     assert derivatives(slide("-0.4*abs(y.q)*y.q"), [0.0, 0.0], [0.0, 0.0]).tolist() == [0.0, 0.0, 0.0, 0.0]
     assert derivatives(slide("-0.4*abs(y.q)*y.q"), [0.0, 0.0], [-2.0, 0.0])[2] == pytest.approx(-1.6)
 
 
-@pytest.mark.parametrize("text", ["sqrt(x.q)", "log(x.q)", "1/x.q", "x.q/abs(x.q)", "log(abs(x.q))"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("sqrt(x.q)", "log(x.q)", "1/x.q", "x.q/abs(x.q)", "log(abs(x.q))", "sqrt(abs(x.q))"),
+        *("3*sqrt(abs(2*x.q) + x.p**2)", "cos(x.q)*sqrt(abs(x.q))", "sign(x.p + 1)*sqrt(3*abs(x.q))"),
+    ],
+)
 def test_derivatives_without_limit_have_a_status(text: str) -> None:
     with pytest.warns(KanegenWarning, match="A force element may be undefined in this state"):
         found = derivatives(slide(text), [0.0, 0.0], [0.0, 0.0])
