@@ -17,6 +17,7 @@ from kanegen.studies.bench.record import Record, read_record
 from kanegen.studies.bench.results import BY_DIFFERENCES, DERIVATIVES, EQUATIONS, LOWER, Task
 from kanegen.studies.bench.settings import Setting
 
+DOCS = readme.README.parent / "docs"
 MACHINE = Machine("one processor, 2 cores", "Linux x86_64", "glibc 2.36", "gcc 12", "Python 3.11")
 DEFAULT = Setting("default", ("-O2", "-march=native", "-ffp-contract=off"), "AVX-512")
 AVX2 = Setting("default, AVX2", ("-O2", "-march=x86-64-v3", "-ffp-contract=off"), "AVX2")
@@ -127,6 +128,14 @@ def test_the_page_of_a_file_is_that_of_its_record(tmp_path: Path) -> None:
     assert document(read_record(path)) == document(saved)
     for name in ("one processor, 2 cores", "gcc 12", "`-O2 -march=x86-64-v3 -ffp-contract=off`"):
         assert name in document(saved)
+
+
+def test_the_documents_are_made_of_the_saved_times() -> None:
+    """`python -m benchmarks --render` makes them anew after a change of their text."""
+    saved = read_record(DOCS / "benchmarks.json")
+    assert (DOCS / "benchmarks.md").read_text(encoding="utf-8") == document(saved)
+    text = readme.README.read_text(encoding="utf-8")
+    assert readme.with_speed(text, saved) == text
 
 
 def test_the_method_is_a_template_whose_names_are_filled_in() -> None:
