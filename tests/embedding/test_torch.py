@@ -26,6 +26,7 @@ from tests.support.random_trees import everything
 pytestmark = [
     pytest.mark.embed("torch"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning:torch"),
+    pytest.mark.filterwarnings("ignore:`torch.jit.script`:FutureWarning"),  # of forward mode in 2.15
 ]
 
 QUICK = "-O1 -ffp-contract=off"
