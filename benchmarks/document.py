@@ -68,7 +68,7 @@ def document(record: Record) -> str:
         "\n".join(f"- {line}" for line in machine.lines()),
         "## Where kanegen is slower",
         *_behind(comparisons),
-        "![Times of all programs on all models](benchmarks.svg)",
+        "![How many times as fast as Pinocchio every program is](benchmarks.svg)",
         *_sections(comparisons),
         *_all_cores(comparisons),
         "## What the default build gains",

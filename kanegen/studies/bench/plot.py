@@ -1,111 +1,136 @@
-"""The plot of comparisons: the times of all programs on all models, with ranges, on a logarithmic axis."""
+"""The plot of comparisons: how many times as fast as the standard every program is, on a logarithmic axis."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
 from kanegen.measure.svg import STYLE, svg_text
+from kanegen.measure.timing import Speedup, speedup
 from kanegen.studies.bench.comparison import KANEGEN, Comparison, Entry
 from kanegen.studies.bench.peers.casadi_peer import CASADI
+from kanegen.studies.bench.peers.dynibo_peer import DYNIBO
 from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
+from kanegen.studies.bench.peers.pinocchio_code_peer import PINOCCHIO_CODE
 from kanegen.studies.bench.peers.pinocchio_peer import PINOCCHIO
 from kanegen.studies.bench.peers.pydy_peer import PYDY
-from kanegen.studies.bench.results import QUANTITIES
-from kanegen.studies.bench.settings import CONTRACTED, Setting
-from kanegen.studies.bench.table import TITLES, ratio
+from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, INVERSE_DERIVATIVES
+from kanegen.studies.bench.settings import DEFAULT, Setting
+from kanegen.studies.bench.table import TITLES
 
-_BAR = 0.8
-"""Width of all bars of a model together, as a share of the distance between models."""
+_PANELS = (EQUATIONS, DYNAMICS, INVERSE_DERIVATIVES, DERIVATIVES)
+"""The quantities of the panels, row by row."""
 
-_ROOM_FOR_LABELS = 8.0
-"""Factor by which the axis of times goes on above the tallest bar, for the label above it."""
+_TICKS = (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)
+"""Numbers at the axis, as far as there are marks."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """The bars of one colour: the fastest task of a participant on each model.
+    """The marks of one program: its fastest task on each model.
 
     Attributes:
         label: Text of the legend.
         participant: Name of the participant.
+        marker: Matplotlib's name of the mark.
+        color: Matplotlib's name of its colour.
         setting: Compiler setting; None allows every setting.
         batch: Whether the task computes many states in one call.
     """
 
     label: str
     participant: str
+    marker: str
+    color: str
     setting: Setting | None = None
     batch: bool = False
 
     def entry(self, comparison: Comparison, quantity: str) -> Entry | None:
-        """Return the entry that the bar of a model shows; None if there is none."""
+        """Return the entry of a model; None if there is none."""
         return comparison.best(self.participant, quantity, self.setting, self.batch)
 
 
 SERIES = (
-    *(Series(name, name) for name in (PINOCCHIO, MUJOCO, CASADI, PYDY)),
-    Series(KANEGEN, KANEGEN, CONTRACTED),
-    Series(f"{KANEGEN}, batch", KANEGEN, CONTRACTED, batch=True),
+    Series(PINOCCHIO, PINOCCHIO, "|", "0.2"),
+    Series(PYDY, PYDY, "x", "tab:brown"),
+    Series(DYNIBO, DYNIBO, "v", "tab:pink"),
+    Series(MUJOCO, MUJOCO, "s", "tab:orange"),
+    Series(PINOCCHIO_CODE, PINOCCHIO_CODE, "^", "tab:olive"),
+    Series(CASADI, CASADI, "P", "tab:green"),
+    Series(KANEGEN, KANEGEN, "o", "tab:blue", DEFAULT),
+    Series(f"{KANEGEN}, batch", KANEGEN, "D", "tab:purple", DEFAULT, batch=True),
 )
 
 
 def svg(comparisons: Sequence[Comparison]) -> str:
-    """Draw one panel for each quantity and one group of bars for each model.
+    """Draw one panel for each quantity, in it a line for each model with a mark for each program.
 
-    The label of a bar is its ratio to the standard.
+    A mark stands at the number of states that a program computes while the standard computes one; a line
+    through it is the confidence interval.
 
     Raises:
         MissingError: If matplotlib is not installed.
     """
     mpl = module("matplotlib")
     with mpl.rc_context(STYLE):
-        size = (max(5.0, 2 + 1.3 * len(comparisons)), 7)
+        size = (9, 1.8 + 0.5 * len(comparisons))
         figure = module("matplotlib.figure").Figure(figsize=size, layout="constrained")
-        panels = figure.subplots(len(QUANTITIES), 1, sharex=True)
-        for panel, quantity in zip(panels, QUANTITIES, strict=True):
+        panels = figure.subplots(2, len(_PANELS) // 2, sharex=True, sharey=True)
+        for panel, quantity in zip(panels.flat, _PANELS, strict=True):
             _panel(panel, comparisons, quantity)
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, ncols=3, loc="outside upper center")
+        figure.supxlabel(
+            f"times as fast as {' or '.join(dict.fromkeys(one.standard for one in comparisons))}"
+        )
+        known = {
+            label: mark
+            for panel in panels.flat
+            for mark, label in zip(*panel.get_legend_handles_labels(), strict=True)
+        }
+        ordered = [one.label for one in SERIES if one.label in known]
+        figure.legend([known[label] for label in ordered], ordered, ncols=4, loc="outside upper center")
         return svg_text(figure)
 
 
 def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None:
     """Draw the panel of one quantity."""
-    present = [
-        series
-        for series in SERIES
-        if any(series.entry(comparison, q) for comparison in comparisons for q in QUANTITIES)
-    ]
-    width = _BAR / len(present)
-    for number, series in enumerate(present):
-        shift = width * (number - (len(present) - 1) / 2)
-        entries = {
-            place + shift: series.entry(comparison, quantity) for place, comparison in enumerate(comparisons)
-        }
-        timed = {place: entry for place, entry in entries.items() if entry is not None}
-        medians = [entry.median for entry in timed.values()]
-        ranges = [
-            [entry.median - entry.times.least for entry in timed.values()],
-            [entry.times.largest - entry.median for entry in timed.values()],
-        ]
-        color = f"C{SERIES.index(series)}"
-        bars = panel.bar(
-            list(timed), medians, 0.92 * width, yerr=ranges, label=series.label, color=color, ecolor="0.3"
-        )
-        standards = [comparison.best(comparison.standard, quantity) for comparison in comparisons]
-        shares = [_share(entry, standards[round(place)]) for place, entry in timed.items()]
-        panel.bar_label(bars, shares, fontsize=6, padding=2, rotation=90)
-    panel.set_yscale("log")
-    panel.set_ylim(bottom=1, top=_ROOM_FOR_LABELS * panel.get_ylim()[1])
-    panel.set_ylabel(f"{TITLES[quantity]}, ns")
-    panel.set_xticks(
-        range(len(comparisons)), [f"{comparison.model}\nn = {comparison.n}" for comparison in comparisons]
-    )
+    for series in SERIES:
+        marks = list(_marks(series, comparisons, quantity))
+        if marks:
+            panel.errorbar(
+                [found.median for _, found in marks],
+                [place for place, _ in marks],
+                xerr=list(zip(*(_reach(found) for _, found in marks), strict=True)),
+                label=series.label,
+                color=series.color,
+                marker=series.marker,
+                markersize=5,
+                elinewidth=1,
+                linestyle="none",
+            )
+    panel.set_title(TITLES[quantity], fontsize="medium")
+    panel.set_xscale("log")
+    panel.set_xticks(_TICKS, [f"{tick:g}" for tick in _TICKS], fontsize="small")
+    panel.minorticks_off()
+    panel.axvline(1, color="0.8", linewidth=1, zorder=0)
+    panel.grid(axis="y", color="0.92")
+    panel.set_axisbelow(True)
+    panel.set_yticks(range(len(comparisons)), [f"{one.model}, {one.n}" for one in comparisons])
+    panel.set_ylim(len(comparisons) - 0.5, -0.5)
 
 
-def _share(entry: Entry, standard: Entry | None) -> str:
-    """Return the ratio of a time to that of the standard; "" for the standard itself."""
-    return "" if entry is standard else ratio(entry, standard)
+def _reach(found: Speedup) -> tuple[float, float]:
+    """Return how far the confidence interval reaches to the left and to the right; 0 with too few rounds."""
+    has_interval = math.isfinite(found.high)
+    return (found.median - found.low, found.high - found.median) if has_interval else (0.0, 0.0)
+
+
+def _marks(series: Series, comparisons: Sequence[Comparison], quantity: str) -> Iterator[tuple[int, Speedup]]:
+    """Yield the places of models and how many times as fast as the standard the series is there."""
+    for place, comparison in enumerate(comparisons):
+        standard = comparison.best(comparison.standard, quantity)
+        entry = series.entry(comparison, quantity)
+        if standard is not None and entry is not None:
+            yield place, speedup(standard.times, entry.times)
