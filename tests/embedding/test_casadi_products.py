@@ -39,7 +39,9 @@ def in_order(columns, given):
     return found
 
 
-@pytest.mark.parametrize("case", ["parameters", "quaternion"])
+@pytest.mark.parametrize(
+    "case", ["parameters", "quaternion", pytest.param("everything", marks=pytest.mark.slow)]
+)
 def test_products_are_those_of_the_library_bit_for_bit(case):
     """Loads, parameters and a quaternion; the order of elements of CasADi is another one."""
     bases = BASES if case == "parameters" else BASES[:1]

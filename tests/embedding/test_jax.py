@@ -644,6 +644,17 @@ def test_what_does_not_exist(jax: Any) -> None:
     with pytest.warns(KanegenWarning, match="in 2 of 2 states the result does not exist"):
         rows = found.forward_dynamics(np.zeros((2, 2)), np.zeros((2, 2)), parameters=weightless)
     assert np.isnan(rows).all()
+    whole = functions(system, flags=QUICK)
+
+    def total(x: Any) -> Any:
+        return whole.forward_dynamics(x, np.zeros((2, 2)), parameters=weightless).sum()
+
+    with pytest.warns(KanegenWarning, match="in 2 of 2 states the result does not exist") as caught:
+        assert np.isnan(jax.grad(total)(np.zeros((2, 2)))).all()
+    assert {str(one.message).partition(":")[0] for one in caught} == {
+        "forward_dynamics",
+        "forward_dynamics_vjp",
+    }
 
 
 def test_loads_on_bodies_that_take_none(satellite: Any, jax: Any) -> None:
