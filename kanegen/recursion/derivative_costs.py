@@ -9,6 +9,9 @@ chains of hinges about different axes, and only say where it is worth counting.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from kanegen.model.coordinates import ANGLES
 from kanegen.model.force_elements.elements import PointLoad, Spring
 from kanegen.model.system import System
 from kanegen.recursion.factorisation import carriers
@@ -17,12 +20,37 @@ LOOPED = 120_000
 """Operations of a solution for all columns from which loops take the place of straight-line code. Below,
 straight-line code has fewer operations, SIMD in batches, and is compiled in less than a minute."""
 
-PAIR, BRANCHES, FREEDOM, ENDS = 112, 115, 919, -1857
-"""Operations by articulated bodies for each pair of freedoms on a path, and of two in branches of a tree, for
-each freedom, and for each tree on the ground, whose first and last joints cost less."""
 
-PAIR_OF_COLUMNS, FREEDOM_OF_COLUMNS, ENDS_OF_COLUMNS = 98, 461, -1200
+@dataclass(frozen=True)
+class _Costs:
+    """Operations of derivatives.
+
+    Attributes:
+        pair: Those for each pair of freedoms of which one carries the other.
+        freedom: Those for each freedom.
+        tree: Those for each tree on the ground, whose first and last joints cost less: a negative number.
+    """
+
+    pair: int
+    freedom: int
+    tree: int
+
+    def of(self, pairs: int, freedoms: int, trees: int) -> int:
+        """Return the sum for these numbers of pairs, freedoms, and trees on the ground."""
+        return self.pair * pairs + self.freedom * freedoms + self.tree * trees
+
+
+ARTICULATED, PARALLEL_ARTICULATED = _Costs(112, 919, -1857), _Costs(38, 191, -333)
+"""Operations by articulated bodies for hinges about different axes, and about parallel ones."""
+
+COLUMNS, PARALLEL_COLUMNS = _Costs(98, 461, -1200), _Costs(20, 110, -150)
 """The same where columns are solved for, without these solutions."""
+
+FEWEST = 5
+"""Fewest freedoms with which a chain costs less by articulated bodies."""
+
+BRANCHES = 115
+"""Operations by articulated bodies for two freedoms in branches of a tree."""
 
 SOLVED = 9 / 8
 """What solutions of all columns, with [A]^-1, cost more than those by coordinates and by speeds."""
@@ -34,27 +62,20 @@ WITHIN = 1.1
 def may_cost_less(system: System) -> bool:
     """Return whether derivatives by articulated bodies are worth deriving, to be counted beside the others.
 
-    They win on chains of hinges about different axes from 11 or 12 on, and lose on arms with six or seven and
-    on trees with short branches, for which nothing more is derived. Where even this code would be longer than
-    `LOOPED`, loops over columns stay short.
-
-    The joints are hinges and slides, several at a joint but not three of a kind, which are solved for
-    together: next to gimbal lock nothing else is accurate. Couplings, rotors, springs between points and
-    loads on points make terms that this way lacks, and so do columns by run-time parameters.
+    They win on chains of hinges about different axes from 12 on and about parallel axes from 5 on, and lose
+    on arms with six or seven and on trees with short branches, for which nothing more is derived. Where even
+    this code would be longer than `LOOPED`, loops over columns stay short.
     """
-    joints = [body.joint for body in system.bodies]
-    simple = all(one.speeds_are_rates and not all(one.free[:3]) and not all(one.free[3:]) for one in joints)
-    loaded = any(point.loads for _, point in system.points)
-    loaded |= any(isinstance(element, Spring | PointLoad) for element in system.force_elements)
-    if not simple or loaded or system.couplings or system.mounted_rotors or system.parameters:
+    if len(system.freedoms) < FEWEST or not _is_taken(system):
         return False
     inward = {k: frozenset(row) for k, row in carriers(system).items()}
     pairs, freedoms = sum(map(len, inward.values())), len(inward)
     trees = sum(not row for row in inward.values())
-    least = PAIR * pairs + FREEDOM * freedoms + ENDS * trees
+    parallel = _has_parallel_axes(system)
+    least = (PARALLEL_ARTICULATED if parallel else ARTICULATED).of(pairs, freedoms, trees)
     if least >= LOOPED:
         return False
-    by_columns = PAIR_OF_COLUMNS * pairs + FREEDOM_OF_COLUMNS * freedoms + ENDS_OF_COLUMNS * trees
+    by_columns = (PARALLEL_COLUMNS if parallel else COLUMNS).of(pairs, freedoms, trees)
     branches, solved = 0, 0
     for j, carrying in inward.items():
         for k, row in inward.items():
@@ -67,3 +88,32 @@ def may_cost_less(system: System) -> bool:
                 solved += 2 * common
     articulated = least + BRANCHES / 2 * branches
     return articulated < min(LOOPED, WITHIN * (by_columns + 2 * SOLVED * solved))
+
+
+def _is_taken(system: System) -> bool:
+    """Return whether there are derivatives by articulated bodies.
+
+    The joints are hinges and slides, several at a joint but not three of a kind, which are solved for
+    together: next to gimbal lock nothing else is accurate. Couplings, rotors, springs between points and
+    loads on points make terms that this way lacks, and so do columns by run-time parameters.
+    """
+    joints = [body.joint for body in system.bodies]
+    simple = all(one.speeds_are_rates and not all(one.free[:3]) and not all(one.free[3:]) for one in joints)
+    loaded = any(point.loads for _, point in system.points)
+    loaded |= any(isinstance(element, Spring | PointLoad) for element in system.force_elements)
+    return simple and not (loaded or system.couplings or system.mounted_rotors or system.parameters)
+
+
+def _has_parallel_axes(system: System) -> bool:
+    """Return whether nothing moves but hinges with one common axis, such as those of a multiple pendulum."""
+    axes = set()
+    for joint in (body.joint for body in system.bodies):
+        turning = [i for i in ANGLES if joint.moving[i]]
+        if any(joint.moving[3:]) or len(turning) != 1 or any(joint.locked[i] != 0 for i in ANGLES):
+            return False
+        (index,) = turning
+        axis, orientation = joint.axes[index], joint.orientation
+        axes.add(axis)
+        if not isinstance(orientation[0], tuple) or orientation[axis][axis] != 1.0:
+            return False
+    return len(axes) == 1

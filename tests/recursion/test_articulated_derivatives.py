@@ -11,7 +11,7 @@ import pytest
 
 import kanegen as kg
 from benchmarks import models
-from kanegen.compiler import compile_candidate
+from kanegen.compiler import compile_candidate, compile_module
 from kanegen.lowering.accept import accept
 from kanegen.lowering.compilation import Candidate, Request
 from kanegen.lowering.conditioning import condition
@@ -166,6 +166,22 @@ def test_long_chains_are_derived_both_ways(links: int) -> None:
 @pytest.mark.parametrize("links", [6, 8, 64, 256])
 def test_short_chains_and_those_that_need_loops_are_derived_one_way(links: int) -> None:
     assert not may_cost_less(models.revolute_chain(links))
+
+
+def pendulum(links: int) -> kg.System:
+    """Return a chain of hinges about parallel axes."""
+    free, arm = np.eye(6, dtype=bool)[[2] * links], [[0.2, 0.0, 0.0]] * links
+    inertia = np.tile(np.diag([0.1, 0.12, 0.14]), (links, 1, 1))
+    return kg.System.from_arrays(
+        range(links), np.ones(links), inertia, mass_center=arm, joint_position=arm, free=free
+    )
+
+
+def test_hinges_about_parallel_axes_win_early() -> None:
+    assert [may_cost_less(pendulum(links)) for links in (2, 4, 5, 8)] == [False, False, True, True]
+    functions = compile_module(pendulum(6), (NAME,)).module.functions
+    counts = count(functions[NAME])
+    assert sum(counts[kind] for kind in ("add", "multiply", "divide")) == 1371
 
 
 def test_what_this_way_lacks_is_derived_the_other_way() -> None:
