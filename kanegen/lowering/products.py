@@ -35,6 +35,7 @@ from kanegen.program.check import check
 from kanegen.program.constants import Constants
 from kanegen.program.count import count
 from kanegen.program.ir import Array, Output, Program
+from kanegen.program.orders import depth_first
 from kanegen.program.passes.fold import FoldingBuilder, fold
 from kanegen.program.passes.prune import prune
 from kanegen.program.split import joined
@@ -191,9 +192,12 @@ class Making:
 
 
 def _alone(program: Program, output: Output) -> Program:
-    """Return the program of one output, folded, so that equal values have one adjoint."""
+    """Return the program of one output, folded, so that equal values have one adjoint.
+
+    Its order follows from itself, so that nothing else in the program changes the derivatives.
+    """
     bare = replace(output, array=replace(output.array, doc=""))
-    return prune(fold(prune(replace(program, outputs=(bare,)))))
+    return prune(fold(depth_first(prune(replace(program, outputs=(bare,))))))
 
 
 def _has_regular_speeds(system: System) -> bool:
