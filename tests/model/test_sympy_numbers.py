@@ -83,6 +83,7 @@ def test_values_and_texts_of_formulas(formula: sympy.Expr) -> None:
         (m / (2 * length), "m / (2 * l)"),
         (sympy.exp(-alpha) + sympy.Max(m, length), "exp(-alpha) + max(l, m)"),
         (1 / sympy.sqrt(m), "1 / sqrt(m)"),
+        (m ** sympy.Rational(3, 2), "sqrt(m)**3"),
         (sympy.atan2(m, length), "atan2(m / l, 1)"),
     ],
 )
