@@ -44,6 +44,10 @@ _GAINS = """\
 Times of the default build over those of portable code, which `kanegen generate` writes; both compute the
 same bits."""
 
+_SAME_FLAGS = """\
+Above, kanegen stands beside the fastest of CasADi's programs with the same vector instructions. Here the C of
+both is compiled with the same flags, those of the setting that the column names."""
+
 _CALLS = f"""\
 One state in each call, `library.evaluate(x, y)` and `library.forward_dynamics(x, y, tau)` with arrays of
 doubles. The C is the same, compiled as *{DEFAULT.name}*; *beyond* is the time that Python and NumPy add
@@ -74,6 +78,7 @@ def document(record: Record) -> str:
         "## What the default build gains",
         _GAINS,
         *_gains(comparisons),
+        *_same_flags(comparisons),
         "## Calls from Python",
         _CALLS,
         summaries.calls(comparisons),
@@ -143,6 +148,16 @@ def _gains(comparisons: Sequence[Comparison]) -> Iterator[str]:
     for name in (DEFAULT.name, DEFAULT_AVX2.name):
         if name in known and (text := summaries.gains_of_default(comparisons, known[name])):
             yield f"*{known[name].words}*:\n\n{text}"
+
+
+def _same_flags(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield the section about CasADi's C with the flags of kanegen's; nothing where it was not timed."""
+    known = _settings(comparisons)
+    compared = [one for one in (DEFAULT, DEFAULT_AVX2, PORTABLE, CONTRACTED) if one.name in known]
+    if text := summaries.with_the_same_flags(comparisons, casadi_peer.CASADI, compared):
+        yield "## CasADi with the same flags"
+        yield _SAME_FLAGS
+        yield text
 
 
 def _from_python(comparisons: Sequence[Comparison]) -> Iterator[str]:

@@ -153,3 +153,23 @@ def calls(comparisons: Sequence[Comparison]) -> str:
             beyond = table.ns(comparison.overhead(quantity))
             row += [table.ns(own and own.median), table.ns(call and call.median), beyond]
     return markdown_table(head, rows)
+
+
+def with_the_same_flags(comparisons: Sequence[Comparison], peer: str, settings: Sequence[Setting]) -> str:
+    """Return the table of kanegen over a peer that is compiled with the same flags; "" without such times.
+
+    Args:
+        comparisons: One for each model.
+        peer: Name of the peer.
+        settings: Compiler settings, a column for each of them and each quantity.
+    """
+    columns = [(quantity, setting) for quantity in (EQUATIONS, DYNAMICS) for setting in settings]
+    head = ["", *(f"{table.TITLES[quantity]}, {setting.name}" for quantity, setting in columns)]
+    rows = [
+        [
+            one.model,
+            *(table.ratio(*(one.best(name, *column) for name in (KANEGEN, peer))) for column in columns),
+        ]
+        for one in comparisons
+    ]
+    return markdown_table(head, rows) if any(set(row[1:]) != {"-"} for row in rows) else ""

@@ -7,9 +7,8 @@ from typing import Any
 from benchmarks.growth.cases import CURVES, FAMILIES, LARGEST
 from benchmarks.growth.results import MEASURES, Measure, Study, series
 from kanegen.extras import module
-from kanegen.measure.svg import svg_text
+from kanegen.measure.svg import STYLE, svg_text
 
-_STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 _PANELS = ("operations", "derive", "generate", "memory", "code", "compile", "text", "run")
 _MARKERS = dict(zip(FAMILIES, "os", strict=True))
 _COLOURS = {output: f"C{i}" for i, output in enumerate(LARGEST)}
@@ -22,7 +21,7 @@ def svg(study: Study) -> str:
         MissingError: If matplotlib is not installed.
     """
     mpl = module("matplotlib")
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = module("matplotlib.figure").Figure(figsize=(8, 11), layout="constrained")
         measures = {measure.name: measure for measure in MEASURES}
         panels = figure.subplots(4, 2, sharex=True).flat

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Container, Iterable, Mapping
 from dataclasses import dataclass
 
 from kanegen.c import Source
@@ -102,6 +102,41 @@ def with_derivatives(system: System, outputs: Iterable[str]) -> tuple[str, ...]:
     return tuple(found)
 
 
+def require_slopes(
+    name: str,
+    found: Iterable[Slopes],
+    wanted: Collection[str],
+    generated: Container[str],
+    asks: str,
+    if_constant: str,
+) -> None:
+    """Make sure that there are derivatives of a function by some of its inputs.
+
+    Args:
+        name: Name of the function.
+        found: What there is of its derivatives, generated or not.
+        wanted: Names of the inputs.
+        generated: Names of the functions that were generated.
+        asks: Who asks for what, such as "PyTorch asks for the gradient".
+        if_constant: Sentence on what to do where the result counts as constant; {} stands for an input.
+
+    Raises:
+        OptionError: If there are none, or they were not generated.
+    """
+    by = {column: one.function for one in found for column in one.columns}
+    if missing := [one for one in wanted if one not in by]:
+        if name.endswith("_derivatives"):
+            program = asks.partition(" ")[0]
+            raise OptionError(f"{name}: {program} asks for second derivatives, {_second_derivatives(name)}")
+        known = f"There are derivatives by {', '.join(by)}." if by else "There are no derivatives of it."
+        raise OptionError(f"{name}: {asks} by {', '.join(missing)}. {known} {if_constant.format(missing[0])}")
+    if lacking := {by[one] for one in wanted if by[one] not in generated}:
+        raise OptionError(
+            f"{name}: {asks} by {', '.join(wanted)}, and the library was built without "
+            f"{outputs_to_add(name, lacking)}"
+        )
+
+
 def outputs_to_add(name: str, lacking: Iterable[str]) -> str:
     """Return the end of a sentence on derivatives that a library lacks: which ones, and what helps.
 
@@ -118,7 +153,7 @@ def outputs_to_add(name: str, lacking: Iterable[str]) -> str:
     )
 
 
-def second_derivatives(name: str) -> str:
+def _second_derivatives(name: str) -> str:
     """Return the end of a sentence on second derivatives that are asked for: what helps.
 
     Args:

@@ -5,7 +5,8 @@ and {y} (`recursion.inverse_dynamics_derivatives`). What it leaves out, and deri
 differentiated instruction by instruction. For the solution {ydot} of [A]{ydot} = {f} + {tau} there are two
 ways. The derivative by {x}, {y}, a parameter or a load is -[A]^-1 times the derivative of inverse dynamics at
 constant {ydot} (`solution_columns`). This is cheap, because one elimination of [A] serves all columns. Long
-chains have a recursion of their own, by articulated bodies (`articulated_columns`), where that costs less.
+chains have a recursion of their own, by articulated bodies, where that costs less
+(`recursion.articulated_rows`).
 
 But where {ydot} is refined, or has a solver that is more accurate than this elimination, the derivative would
 lose what {ydot} does not. There the solver itself is differentiated instruction by instruction, with its
@@ -18,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from kanegen.lowering.articulated_columns import ArticulatedColumns
 from kanegen.lowering.solution_columns import SolutionColumns
 from kanegen.model.system import System
 from kanegen.program.builder import Builder
@@ -26,6 +26,7 @@ from kanegen.program.check import check
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Op, Output, Program
 from kanegen.program.tangent import Tangent, tangents
+from kanegen.recursion.articulated_rows import ArticulatedRows
 from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS, SOLUTION_PARTS
 from kanegen.recursion.solution_derivatives import SolutionRows
 
@@ -94,10 +95,10 @@ class _Differentiation:
             columns = SolutionColumns(*copied, self._solution_rows, self._columns, self._constants)
             return columns.output(self._array, self._zero)
         if self._derivative.alternative in self._outputs:
-            part = self._outputs[self._derivative.alternative]
-            made = self._builder, self._program, self._moved, part, self._columns, self._constants
-            return ArticulatedColumns(*made).output(self._array, self._zero)
-        rows = self._rows(base, self._moved)
+            base = self._outputs[self._derivative.alternative]
+            rows = self._rows_of_articulated_bodies(base)
+        else:
+            rows = self._rows(base, self._moved)
         width = self._array.row
         values = tuple(row.get(column, self._zero) for row in rows for column in range(width))
         return replace(base.renumbered(self._moved), array=self._array, values=values)
@@ -115,6 +116,29 @@ class _Differentiation:
             for column, slope in more.items():
                 row[column] = self._builder.add(row[column], slope) if column in row else slope
             rows.append(row | other)
+        return rows
+
+    def _rows_of_articulated_bodies(self, part: Output) -> list[Tangent]:
+        """Return the derivatives of the entries of {ydot}, by column, from a part of `ArticulatedRows`.
+
+        The part has them for constant efforts on freedoms. {tau} and force elements change the efforts, and
+        [A]^-1 says what that does to {ydot}.
+        """
+        n, moved = part.array.row, self._moved
+        first = {name: rows.start for name, rows in ArticulatedRows(n).slices.items()}
+        efforts = replace(part, values=part.values[n * first["efforts"] :][:n])
+        slopes = self._tangents(efforts, moved, self._columns)
+        rows = []
+        for i in range(n):
+            row = dict[int, int]()
+            for name, array in (("by_coordinate", "x"), ("by_speed", "y")):
+                start = self._columns[array].start
+                row |= {start + j: value for j, value in self._known(part, first[name] + i, moved)}
+            for j, entry in self._known(part, first["inverse"] + i, moved):
+                for column, slope in slopes[j].items():
+                    change = self._builder.multiply(entry, slope)
+                    row[column] = self._builder.add(row[column], change) if column in row else change
+            rows.append(row)
         return rows
 
     def _known(self, by_state: Output, row: int, moved: Mapping[int, int]) -> Iterator[tuple[int, int]]:

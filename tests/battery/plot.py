@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
-from kanegen.measure.svg import svg_text
+from kanegen.measure.svg import STYLE, svg_text
 from tests.battery.experiments import Point, Row
 from tests.battery.report import Results
-
-_STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ def svg(results: Results) -> str:
         MissingError: If matplotlib is not installed.
     """
     mpl = module("matplotlib")
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = module("matplotlib.figure").Figure(figsize=(10, 8), layout="constrained")
         places = figure.subplots(2, -(-len(PANELS) // 2)).ravel()
         for place, (number, panel) in zip(places, PANELS.items(), strict=True):

@@ -8,15 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from kanegen.errors import OptionError
 from kanegen.extras import JAX, module
 from kanegen.interop.jax.calls import Arrays, Call, Signature, foreign_call
 from kanegen.interop.jax.products import ProductCalls
 from kanegen.interop.products import Form, Products
-from kanegen.interop.slopes import Slopes, outputs_to_add, second_derivatives
+from kanegen.interop.slopes import Slopes, require_slopes
 
 jax = module("jax", "jaxlib", extra=JAX)
 jnp = jax.numpy
+
+_IF_CONSTANT = "Where the result counts as constant, apply jax.lax.stop_gradient to {}, not to the result."
+"""What helps where the derivative of a result is not meant."""
 
 
 def differentiable_calls(
@@ -67,7 +69,8 @@ def _by_jacobians(
             for name, tangent in zip(signature.inputs, tangents, strict=True)
             if not isinstance(tangent, jax.custom_derivatives.SymbolicZero)
         }
-        _require_slopes(signature, moved, slopes, signatures)
+        asks = signature.name, slopes, moved, signatures, "JAX asks for the derivative"
+        require_slopes(*asks, _IF_CONSTANT)
         results, change = None, jnp.zeros(())
         for one in slopes:
             own = {name: columns for name, columns in one.columns.items() if name in moved}
@@ -102,32 +105,3 @@ def _along(slopes: Arrays, rows: int, columns: Mapping[str, slice], moved: Mappi
         jnp.einsum("...rk,...k->...r", matrix[..., own], moved[name], precision="highest")
         for name, own in columns.items()
     )
-
-
-def _require_slopes(
-    signature: Signature,
-    moved: Mapping[str, Arrays],
-    slopes: Sequence[Slopes],
-    signatures: Mapping[str, Signature],
-) -> None:
-    """Make sure that there are derivatives of a function by some of its inputs.
-
-    Raises:
-        OptionError: If there are none, or they were not generated.
-    """
-    name = signature.name
-    by = {column: one.function for one in slopes for column in one.columns}
-    if missing := [one for one in moved if one not in by]:
-        if name.endswith("_derivatives"):
-            raise OptionError(f"{name}: JAX asks for second derivatives, {second_derivatives(name)}")
-        known = f"There are derivatives by {', '.join(by)}." if by else "There are no derivatives of it."
-        raise OptionError(
-            f"{name}: JAX asks for the derivative by {', '.join(missing)}. {known} Where the result counts "
-            f"as constant, apply jax.lax.stop_gradient to {missing[0]}, not to the result."
-        )
-    lacking = {by[one] for one in moved} - signatures.keys()
-    if lacking:
-        raise OptionError(
-            f"{name}: JAX asks for the derivative by {', '.join(moved)}, and the library was built without "
-            f"{outputs_to_add(name, lacking)}"
-        )

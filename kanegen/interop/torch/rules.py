@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any, Protocol
 
-from kanegen.errors import OptionError
 from kanegen.extras import TORCH, module
 from kanegen.interop.products import Form, Products
-from kanegen.interop.slopes import Slopes, outputs_to_add, second_derivatives
+from kanegen.interop.slopes import Slopes, require_slopes
 from kanegen.interop.torch.signature import Operator, Signature, Tensor
 
 torch = module("torch", extra=TORCH)
@@ -103,7 +102,8 @@ class JacobianRule:
         Raises:
             OptionError: If there are none by an input, or they were not generated.
         """
-        self._require(wanted)
+        asks = self.signature.name, self.slopes, wanted, self.signatures, "PyTorch asks for the gradient"
+        require_slopes(*asks, "Detach what is constant.")
         height = sum(self.signature.sizes)
         for one in self.slopes:
             own = {name: columns for name, columns in one.columns.items() if name in wanted}
@@ -112,28 +112,6 @@ class JacobianRule:
                 matrix = self.every[one.function](*map(given.get, signature.inputs))[one.place]
                 shape = signature.outputs[one.place]
                 yield matrix.reshape(*_lead(matrix, shape), height, prod(shape) // height), own
-
-    def _require(self, wanted: Sequence[str]) -> None:
-        """Make sure that there are derivatives by some inputs.
-
-        Raises:
-            OptionError: If there are none, or they were not generated.
-        """
-        name = self.signature.name
-        by = {column: one.function for one in self.slopes for column in one.columns}
-        if missing := [one for one in wanted if one not in by]:
-            if name.endswith("_derivatives"):
-                raise OptionError(f"{name}: PyTorch asks for second derivatives, {second_derivatives(name)}")
-            known = f"There are derivatives by {', '.join(by)}." if by else "There are no derivatives of it."
-            raise OptionError(
-                f"{name}: PyTorch asks for the gradient by {', '.join(missing)}. {known} Detach what is "
-                "constant."
-            )
-        if lacking := {function for one in wanted if (function := by[one]) not in self.signatures}:
-            raise OptionError(
-                f"{name}: PyTorch asks for the gradient by {', '.join(wanted)}, and the library was built "
-                f"without {outputs_to_add(name, lacking)}"
-            )
 
 
 @dataclass(frozen=True)

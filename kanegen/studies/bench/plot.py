@@ -117,7 +117,7 @@ def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None
     panel.axvline(1, color="0.8", linewidth=1, zorder=0)
     panel.grid(axis="y", color="0.92")
     panel.set_axisbelow(True)
-    panel.set_yticks(range(len(comparisons)), [f"{one.model}, {one.n}" for one in comparisons])
+    panel.set_yticks(range(len(comparisons)), [f"{one.model}, n = {one.n}" for one in comparisons])
     panel.set_ylim(len(comparisons) - 0.5, -0.5)
 
 
