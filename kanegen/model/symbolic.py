@@ -46,7 +46,7 @@ def with_symbols(system: SystemFields, keep_zeros: bool) -> dict[str, Any]:
         system: The tree.
         keep_zeros: Whether zeros stay numbers, so that the terms that they multiply vanish.
     """
-    free = _names(system)
+    free = free_names(system)
 
     def symbol(place: Place, value: Number) -> Number:
         replaced = is_fixed(value) and not (keep_zeros and value_of(value) == 0)
@@ -116,7 +116,7 @@ def _gravity(gravity: Sequence[Number], free: Callable[[str], str]) -> tuple[Num
     return tuple(found)
 
 
-def _names(system: SystemFields) -> Callable[[str], str]:
+def free_names(system: SystemFields) -> Callable[[str], str]:
     """Return a function that returns a name with underscores at its end until no parameter has it."""
     taken = {one.name for value in numbers_of(system) for one in parameters_of(value)}
 

@@ -1,39 +1,31 @@
-"""`SystemVariations`: the same system with other points, loads, contacts, freedoms, limits or parameters."""
+"""`SystemVariations`: the same system with other points, loads, contacts, freedoms or limits."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-import numpy as np
-
-from kanegen.choices import did_you_mean, require_one
-from kanegen.errors import ModelError, quoted
+from kanegen.choices import require_one
 from kanegen.model import locking, output_rows, validation
-from kanegen.model.arguments import state
 from kanegen.model.attaching import EXAMPLE, bodies_with_loads, bodies_with_points, new_frame
 from kanegen.model.body import Body
 from kanegen.model.contact import Contact, chosen_contacts
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling
-from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.free_orientations import with_free_orientations
 from kanegen.model.joint import Joint
 from kanegen.model.joint_changes import bodies_with_limits, bodies_with_prescribed
-from kanegen.model.numbers import Number, Parameter, with_parameters_changed
-from kanegen.model.parameter_sets import ParameterSets, parameter_sets, refusals
+from kanegen.model.parametrisation import SystemParametrisation
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.rotor import Rotor
-from kanegen.model.symbolic import with_symbols
-from kanegen.model.system_numbers import mapped_numbers
 
 
 @dataclass(frozen=True)
-class SystemVariations(SystemDescription):
+class SystemVariations(SystemParametrisation):
     """The methods of a `System` that return the same system with something changed."""
 
     def with_points(self, points: Mapping[str, tuple[str | int, Any]]) -> Self:
@@ -341,74 +333,3 @@ class SystemVariations(SystemDescription):
 
         frames = tuple(frame.with_right_angles(limit) for frame in self.frames)
         return replace(self, bodies=tuple(map(exact, self.bodies)), frames=frames)
-
-    def with_parameters(self, values: Mapping[str, float]) -> Self:
-        """Return the same system with other default values of its parameters.
-
-        Raises:
-            ModelError: If a name is unknown or a value makes the model unusable.
-
-        Example:
-            system.with_parameters({"payload": 2.5})
-        """
-        known = [parameter.name for parameter in self.parameters]
-        for name in validation.table(values, "parameters", '{"payload": 2.5}'):
-            if name not in known:
-                raise ModelError(f"unknown parameter {quoted(name)}. {did_you_mean(name, known)}")
-        if not values:
-            return self
-
-        def change(value: Number) -> Number:
-            return with_parameters_changed(
-                value, lambda one: Parameter(one.name, values[one.name]) if one.name in values else one
-            )
-
-        return self.map_numbers(change)
-
-    def unusable_parameters(self, parameters: ParameterSets) -> dict[int, str]:
-        """Return why no model has the parameters of a set, such as a negative mass, by row of the set.
-
-        A library computes with any numbers. A sweep asks here beforehand which of its samples are no bodies.
-
-        Args:
-            parameters: (B, P) values in the order of `parameters`, or numbers and (B,) values by name.
-
-        Returns:
-            For each row that `with_parameters` refuses its message; {} where all are usable.
-
-        Raises:
-            ModelError: If a name is unknown.
-            ArrayError: If the values have another shape or type.
-
-        Example:
-            system.unusable_parameters({"payload": [1.0, -1.0]})  # {1: "mass payload = -1.0 kg ..."}
-        """
-        usual = {parameter.name: parameter.value for parameter in self.parameters}
-        sets = state("parameters", parameter_sets(parameters, usual), (len(usual),), np.dtype(float))
-        return refusals(self, dict(zip(usual, np.atleast_2d(sets).T, strict=True)), self.with_parameters)
-
-    def symbolic(self, keep_zeros: bool = True) -> Self:
-        """Return the same system with symbols for the numbers of its bodies, as the notes have them.
-
-        The symbols are parameters: masses `m_K`, mass centres `r_K_i`, joint positions `q_K_i` and entries of
-        inertia `I_K_ij` of body K, and gravity, `g`, or `g_1` to `g_3` where it is along no axis. Their
-        default values are the numbers. Parameters and expressions of parameters stay as they are, and so do
-        constant orientations [C_K], locked values, points, frames, motors, couplings and force elements. A
-        name that is taken gets an underscore at its end.
-
-        Args:
-            keep_zeros: Whether zeros stay zero, so that the equations show what vanishes in this tree. If
-                not, every body is general, as in the notes, but for joints at the inertial origin.
-
-        Example:
-            kg.derive(kg.load("models/furuta_pendulum.toml").symbolic()).closed_form().A
-        """
-        return replace(self, **with_symbols(self, keep_zeros))
-
-    def map_numbers(self, change: Callable[[Number], Number]) -> Self:
-        """Return the same system with `change` applied to every number.
-
-        Example:
-            fixed = system.map_numbers(value_of)  # parameters become numbers
-        """
-        return replace(self, **mapped_numbers(self, change))
