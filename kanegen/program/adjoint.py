@@ -15,6 +15,7 @@ adds one product to the adjoint of the angle, and nothing to those of its cosine
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
@@ -24,7 +25,7 @@ from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.plane_rotations import plane_rotations
-from kanegen.program.roots import slopes_of_sum
+from kanegen.program.roots import kinks_of_roots, slopes_by_roots, slopes_of_sum, steep, without_signs
 from kanegen.program.selection import dependencies
 from kanegen.program.tangent import slope_of_tanh
 
@@ -138,6 +139,8 @@ class _Sweep:
         self._shares: dict[int, dict[Branches, list[int]]] = {}
         self._rotations = plane_rotations(program)
         self._divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
+        self._kinks, self._steep = kinks_of_roots(program), steep(program)
+        self._unsigned = without_signs(builder, program, moved, self._one) if self._steep else {}
 
     def add(self, share: Share) -> None:
         """Add a share to the adjoint of an instruction."""
@@ -172,7 +175,7 @@ class _Sweep:
 
     def shares(self, i: int, branches: Branches, adjoint: int) -> Iterator[Share]:
         """Yield what an instruction adds to the adjoints of its operands."""
-        make, x = self._builder, self._program.instructions[i]
+        x = self._program.instructions[i]
         values = [self._moved[j] for j in x.operands]
         if x.op in (Op.MIN, Op.MAX, Op.SELECT):
             yield from self._of_choice(x, values, branches, adjoint)
@@ -180,29 +183,13 @@ class _Sweep:
             for j, value in self._of_rotation(i, adjoint):
                 yield j, branches, value
         elif x.op is Op.SQRT and i not in self._divisors:
-            for j, value in self._of_root(x.operands[0], self._moved[i], adjoint):
+            for j, value in self._of_root(i, x.operands[0], adjoint):
                 yield j, branches, value
         elif len(values) == 1:
             yield x.operands[0], branches, self._of_one(x.op, self._moved[i], values[0], adjoint)
         else:
-            (j, k), (a, b) = x.operands, values
-            match x.op:
-                case Op.ADD:
-                    left, right = adjoint, adjoint
-                case Op.SUBTRACT:
-                    left, right = adjoint, make.negate(adjoint)
-                case Op.MULTIPLY:
-                    left, right = make.multiply(adjoint, b), make.multiply(a, adjoint)
-                case Op.DIVIDE:
-                    left = make.multiply(adjoint, make.divide(self._one, b))
-                    right = make.negate(make.multiply(self._moved[i], left))
-                case _:
-                    assert x.op is Op.ATAN2
-                    squared = make.add(make.multiply(b, b), make.multiply(a, a))
-                    share = make.divide(adjoint, squared)
-                    left, right = make.multiply(b, share), make.negate(make.multiply(a, share))
-            yield j, branches, left
-            yield k, branches, right
+            for j, value in self._of_two(i, adjoint):
+                yield j, branches, value
 
     def _of_choice(
         self, instruction: Instruction, values: list[int], branches: Branches, adjoint: int
@@ -239,6 +226,31 @@ class _Sweep:
         assert op is Op.COS
         return make.negate(make.multiply(make.function(Op.SIN, a), adjoint))
 
+    def _of_two(self, i: int, adjoint: int) -> Iterator[tuple[int, int]]:
+        """Yield the shares of the operands of a function of two operands, and of roots in them."""
+        make, x = self._builder, self._program.instructions[i]
+        (j, k), (a, b) = x.operands, (self._moved[operand] for operand in x.operands)
+        match x.op:
+            case Op.ADD:
+                left, right = adjoint, adjoint
+            case Op.SUBTRACT:
+                left, right = adjoint, make.negate(adjoint)
+            case Op.MULTIPLY:
+                left, right = make.multiply(adjoint, b), make.multiply(a, adjoint)
+            case Op.DIVIDE:
+                left = make.multiply(adjoint, make.divide(self._one, b))
+                right = make.negate(make.multiply(self._moved[i], left))
+            case _:
+                assert x.op is Op.ATAN2
+                squared = make.add(make.multiply(b, b), make.multiply(a, a))
+                share = make.divide(adjoint, squared)
+                left, right = make.multiply(b, share), make.negate(make.multiply(a, share))
+        yield j, left
+        yield k, right
+        if x.op is Op.MULTIPLY:
+            yield from self._of_root_with_sign(j, k, adjoint)
+            yield from self._of_root_with_sign(k, j, adjoint)
+
     def _of_rotation(self, i: int, adjoint: int) -> Iterator[tuple[int, int]]:
         """Yield the shares of the angle and the numbers that a component of a turned vector is made of."""
         make = self._builder
@@ -246,20 +258,43 @@ class _Sweep:
             share = make.multiply(self._moved[slope], adjoint)
             yield j, share if sign > 0 else make.negate(share)
 
-    def _of_root(self, radicand: int, root: int, adjoint: int) -> Iterator[tuple[int, int]]:
+    def _of_root_with_sign(self, i: int, other: int, adjoint: int) -> Iterator[tuple[int, int]]:
+        """Yield what the roots in a factor of a product have besides, where the other factor is 0 by a sign.
+
+        There the adjoint of such a root is 0, but the root has no slope that could be left out, see `roots`.
+
+        Args:
+            i: The instruction of the factor.
+            other: That of the other factor.
+            adjoint: Adjoint of the product.
+        """
+        if i not in self._steep or other not in self._unsigned:
+            return
+        make, moved = self._builder, self._moved
+        weight = make.multiply(adjoint, self._unsigned[other])
+        values = ChainMap(self._unsigned, dict(moved))
+        for j, slope in slopes_by_roots(make, self._program, values, i, self._one):
+            by_root = make.multiply(weight, slope)
+            infinite = make.function(
+                Op.SELECT, make.function(Op.ABS, by_root), make.divide(by_root, moved[j]), self._zero
+            )
+            away = make.add(make.function(Op.ABS, moved[j]), make.function(Op.ABS, moved[other]))
+            yield j, make.function(Op.SELECT, away, self._zero, infinite)
+
+    def _of_root(self, i: int, radicand: int, adjoint: int) -> Iterator[tuple[int, int]]:
         """Yield the shares of the terms whose sum has the root, and of factors of these.
 
         Where a root is 0, its slope has no limit. But where also that of its radicand is 0, as that of a sum
         of squares, the root is at a minimum, and 0 is the derivative, as in `tangent`. So the slopes of the
-        radicand by the factors of its terms are formed first. A magnitude among these has itself a slope that
-        counts as 0, see `roots`; its share is 0 where the adjoint of the root is.
+        radicand by the factors of its terms are formed first. A magnitude in one of these has itself a slope
+        that counts as 0, see `roots`; the share of such a factor is 0 where the adjoint of the root is.
         """
-        make = self._builder
+        make, root, kinks = self._builder, self._moved[i], self._kinks.get(i, {})
         slopes = slopes_of_sum(make, self._program, self._moved, radicand, self._one)
         for j, slope in slopes.items():
             steep = make.multiply(slope, make.divide(self._half, root))
             here = make.function(Op.SELECT, make.function(Op.ABS, slope), steep, self._zero)
             share = make.multiply(adjoint, here)
-            if self._program.instructions[j].op is Op.ABS:
+            if j in kinks:
                 share = make.function(Op.SELECT, make.function(Op.ABS, adjoint), share, self._zero)
             yield j, share

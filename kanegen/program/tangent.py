@@ -14,7 +14,7 @@ from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.plane_rotations import PlaneRotation, plane_rotations
-from kanegen.program.roots import kinks_of_roots, slopes_of_sum, steep
+from kanegen.program.roots import kinks_of_roots, slopes_of_sum, steep, without_signs
 from kanegen.program.selection import dependencies
 
 FIRST_DIFFERENTIATED = {Op.SIGN: 1, Op.SELECT: 1}
@@ -83,6 +83,7 @@ def seeded_tangents(
     products = {product for one in rotations.values() for product in one.products}
     divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
     kinks, without_slope = _kinks(builder, program, moved, rules.one), steep(program)
+    unsigned = without_signs(builder, program, moved, rules.one) if without_slope else {}
     found: dict[int, Tangent] = {}
     for i in dependencies(program, wanted):
         instruction = program.instructions[i]
@@ -104,14 +105,15 @@ def seeded_tangents(
             slopes = [t.get(direction) for t in inner]
             if instruction.op is Op.SQRT and i not in divisors:
                 hidden = [
-                    builder.multiply(slope, found[j][direction])
-                    for j, slope in kinks.get(i, {}).items()
+                    (moved[j], builder.multiply(slope, found[j][direction]))
+                    for j, slope in kinks.get(i, ())
                     if direction in found[j]
                 ]
                 value = rules.derivative_of_root(moved[i], slopes[0], hidden)
             elif instruction.op is Op.MULTIPLY and not without_slope.isdisjoint(instruction.operands):
-                guarded = [j in without_slope for j in instruction.operands]
-                value = rules.derivative_of_product(values, slopes, guarded)
+                pairs = zip(instruction.operands, instruction.operands[::-1], strict=True)
+                where = [unsigned.get(k, moved[k]) if j in without_slope else None for j, k in pairs]
+                value = rules.derivative_of_product(values, slopes, where)
             else:
                 value = rules.derivative(instruction.op, moved[i], values, slopes)
             found[i][direction] = _named(builder, value, instruction, mark.format(direction))
@@ -120,12 +122,14 @@ def seeded_tangents(
 
 def _kinks(
     builder: Builder, program: Program, moved: Mapping[int, int], one: int
-) -> dict[int, dict[int, int]]:
-    """Return the slopes of radicands by magnitudes, by root and the instruction that has the magnitude."""
-    found: dict[int, dict[int, int]] = {}
-    for i, magnitudes in kinks_of_roots(program).items():
+) -> dict[int, list[tuple[int, int]]]:
+    """Return the operands of magnitudes in radicands, each with the slope by its factor, by root."""
+    found: dict[int, list[tuple[int, int]]] = {}
+    for i, factors in kinks_of_roots(program).items():
         slopes = slopes_of_sum(builder, program, moved, program.instructions[i].operands[0], one)
-        found[i] = {program.instructions[j].operands[0]: slopes[j] for j in magnitudes}
+        found[i] = [
+            (program.instructions[k].operands[0], slopes[j]) for j, inner in factors.items() for k in inner
+        ]
     return found
 
 
@@ -179,7 +183,7 @@ class _Rules:
         if op is Op.SUBTRACT:
             return self._difference(da, db)
         if op is Op.MULTIPLY:
-            return self.derivative_of_product(operands, inner, (False, False))
+            return self.derivative_of_product(operands, inner, (None, None))
         if op is Op.DIVIDE:
             fall = None if db is None else make.multiply(value, db)
             return make.multiply(self._difference(da, fall), make.divide(self.one, more[0]))
@@ -216,25 +220,25 @@ class _Rules:
         return result
 
     def derivative_of_product(
-        self, operands: Sequence[int], inner: Sequence[int | None], guarded: Sequence[bool]
+        self, operands: Sequence[int], inner: Sequence[int | None], where: Sequence[int | None]
     ) -> int:
         """Return the derivative of a product of two numbers.
 
         Args:
             operands: The numbers.
             inner: Their derivatives.
-            guarded: For each of them whether its derivative does not count where the other number is 0.
+            where: For each of them a value where its derivative counts if this is not 0; None for everywhere.
         """
         (a, b), (da, db), make = operands, inner, self._builder
         left = None if da is None else make.multiply(da, b)
         right = None if db is None else make.multiply(a, db)
-        if left is not None and guarded[0]:
-            left = make.function(Op.SELECT, make.function(Op.ABS, b), left, self._or_zero(None))
-        if right is not None and guarded[1]:
-            right = make.function(Op.SELECT, make.function(Op.ABS, a), right, self._or_zero(None))
+        if left is not None and where[0] is not None:
+            left = make.function(Op.SELECT, make.function(Op.ABS, where[0]), left, self._or_zero(None))
+        if right is not None and where[1] is not None:
+            right = make.function(Op.SELECT, make.function(Op.ABS, where[1]), right, self._or_zero(None))
         return self._sum(left, right)
 
-    def derivative_of_root(self, value: int, da: int | None, hidden: Sequence[int]) -> int:
+    def derivative_of_root(self, value: int, da: int | None, hidden: Sequence[tuple[int, int]]) -> int:
         """Return the derivative of a square root, 0 where its operand does not change.
 
         Where a root is 0, its derivative has no limit. But where also that of its operand is 0, as that of a
@@ -243,14 +247,17 @@ class _Rules:
         Args:
             value: The root.
             da: Derivative of its operand.
-            hidden: Derivatives of the operand that count as 0 at kinks, as if there were none.
+            hidden: Derivatives of the operand that count as 0 at kinks, as if there were none, each after the
+                number that is 0 at its kink.
         """
         assert da is not None
         make = self._builder
         slope = make.multiply(da, make.divide(self._half, value))
         change = make.function(Op.ABS, da)
-        for one in hidden:
-            change = make.add(change, make.function(Op.ABS, one))
+        for number, one in hidden:
+            away = make.function(Op.ABS, number)
+            at_kink = make.function(Op.SELECT, away, self._or_zero(None), make.function(Op.ABS, one))
+            change = make.add(change, at_kink)
         return make.function(Op.SELECT, change, slope, self._or_zero(None))
 
     def _of_one(self, op: Op, value: int, a: int, da: int) -> int:

@@ -110,6 +110,12 @@ def test_derivatives(text: str, x: float, y: float, expected: float) -> None:
         ("abs(x.q)", 0.0),
         ("sqrt(abs(x.q))", math.nan),
         ("3*sqrt(abs(2*x.q) + x.p**2)", math.nan),
+        ("-2*sign(x.q)*sqrt(abs(x.q))", math.nan),
+        ("(x.p + 2)*sqrt(abs(x.q))*sign(x.q)", math.nan),
+        ("sign(x.q)*x.q*sqrt(abs(x.q))", 0.0),
+        ("sqrt(tanh(abs(x.q)))", math.nan),
+        ("sqrt(min(abs(x.q), 2))", math.nan),
+        ("x.q*sqrt(tanh(abs(x.q)))", 0.0),
     ],
 )
 def test_products_with_derivatives_at_kinks_are_those_of_derivatives(text: str, expected: float) -> None:
