@@ -41,7 +41,8 @@ def mass_matrix(tree: Tree) -> Derived:
     """Derive the entries of [A], row-major; both halves hold the same symbols."""
     moving: list[list[Column]] = [[] for _ in tree.joints]
     fixed: list[list[RotationColumn]] = [[] for _ in tree.joints]
-    assembly = _Assembly(tree, list(tree.inertias), moving, fixed, fixed_frame_joints(tree))
+    kept: list[list[RotationColumn]] = [[] for _ in tree.joints]
+    assembly = _Assembly(tree, list(tree.inertias), moving, fixed, kept, fixed_frame_joints(tree))
     rotors = spinning_rotors(tree)
     for joint in reversed(tree.joints):
         tree.about(joint.body, "composite body and its columns of [A], Eq. (43)")
@@ -63,7 +64,8 @@ class _Assembly:
         tree: The tree.
         bodies: Composite body by body, as far as its outward bodies have been added.
         moving: Columns by body that have arrived in its frame.
-        fixed: Columns by body that are about its origin, in the fixed frame.
+        fixed: Columns by body that are about its point O_K, in the fixed frame.
+        kept: Columns by body that stay about the point O of a body further outward, in the fixed frame.
         seen: Joints by body where columns change to the fixed frame.
         bases: Force basis by body: the translation columns that began along the basis vectors of its frame.
         entries: Terms of the entries of [A] by pair of places in {y}, the larger first.
@@ -74,6 +76,7 @@ class _Assembly:
     bodies: list[Inertia]
     moving: list[list[Column]]
     fixed: list[list[RotationColumn]]
+    kept: list[list[RotationColumn]]
     seen: dict[int, FixedFrameJoint]
     bases: dict[int, ForceBasis] = field(default_factory=dict)
     entries: dict[tuple[int, int], list[Expr]] = field(default_factory=dict)
@@ -129,15 +132,29 @@ class _Assembly:
         seen, definitions = self.seen.get(joint.body), self.tree.definitions
         if seen is None:
             return
-        fixed = self.fixed[joint.body - 1]
+        fixed, kept = self.fixed[joint.body - 1], self.kept[joint.body - 1]
         for col in fixed:
-            for freedom, value in seen.entries(col, definitions).items():
-                self.record(col, freedom, value)
+            self._record_all(col, seen.entries(col, definitions))
+        for col in kept:
+            self._record_all(col, seen.entries_of_kept(col, definitions))
         if joint.lower:
             arriving = [col for col in self.moving[joint.body - 1] if isinstance(col, RotationColumn)]
             fixed = fixed + [seen.to_fixed(col, definitions) for col in arriving]
-            origin = f"{joint.lower}h"
-            self.fixed[joint.lower - 1] += [col.shifted(seen.offset, origin, definitions) for col in fixed]
+            self._pass_fixed_to(joint.lower, fixed, joint.body)
+            self._pass_fixed_to(joint.lower, kept, seen.kept)
+
+    def _pass_fixed_to(self, j: int, columns: list[RotationColumn], about: int) -> None:
+        """Pass fixed-frame columns about the point O of a body to body `j`, where they may stay about it."""
+        seen, definitions = self.seen[j], self.tree.definitions
+        if about == seen.kept:
+            self.kept[j - 1].extend(columns)
+        else:
+            self.fixed[j - 1].extend(col.shifted(seen.points[about], f"{j}h", definitions) for col in columns)
+
+    def _record_all(self, col: RotationColumn, values: Mapping[int, Expr]) -> None:
+        """Store the components of a column along other freedoms, by their numbers."""
+        for number, value in values.items():
+            self.record(col, number, value)
 
     def pass_moving_columns(self, joint: JointMotion) -> None:
         """Pass columns through the turns and translations of a joint; begin the columns of its freedoms."""

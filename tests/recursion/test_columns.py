@@ -13,7 +13,7 @@ from kanegen.compiler import compile_module
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion import columns, fixed_frame_columns
-from kanegen.recursion.fixed_frame_columns import bodies_that_save
+from kanegen.recursion.fixed_frame_choice import FixedFrameChoice, bodies_that_save, choose
 from kanegen.recursion.tree import Tree, tree
 from kanegen.reference import equations as reference
 from tests.support import systems
@@ -66,36 +66,42 @@ def cost(system: kg.System) -> int:
     return sum(compile_module(system, OUTPUTS).operations.values())
 
 
-def all_bodies(prepared: Tree) -> set[int]:
-    return {joint.body for joint in prepared.joints}
+def all_bodies(prepared: Tree) -> FixedFrameChoice:
+    return FixedFrameChoice(frozenset(joint.body for joint in prepared.joints))
 
 
-def no_bodies(prepared: Tree) -> set[int]:
-    return set()
+def no_bodies(prepared: Tree) -> FixedFrameChoice:
+    return FixedFrameChoice()
 
 
-def some_bodies(prepared: Tree) -> set[int]:
-    """A random part of the bodies, with all that is inward of them."""
+def some_bodies(prepared: Tree) -> FixedFrameChoice:
+    """A random part of the bodies, with all that is inward of them; many columns stay about other points."""
     rng = np.random.default_rng(len(prepared.joints))
     picked = {joint.body: bool(rng.random() < 0.8) for joint in prepared.joints}
-    return {joint.body for joint in prepared.joints if all(picked[j.body] for j in prepared.inward(joint))}
+    bodies = [joint.body for joint in prepared.joints if all(picked[j.body] for j in prepared.inward(joint))]
+    kept: dict[int, int] = {}
+    for k in reversed(bodies):
+        j = prepared.joints[k - 1].lower
+        if j and rng.random() < 0.9:
+            kept[j] = kept[k] if k in kept and rng.random() < 0.7 else k
+    return FixedFrameChoice(frozenset(bodies), kept)
 
 
-@pytest.mark.parametrize("choice", [bodies_that_save, all_bodies, some_bodies])
+@pytest.mark.parametrize("choice", [choose, all_bodies, some_bodies])
 @pytest.mark.parametrize("name", MODELS)
 def test_the_frame_of_a_column_does_not_matter(
     name: str, choice: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(fixed_frame_columns, "bodies_that_save", choice)
+    monkeypatch.setattr(fixed_frame_columns, "choose", choice)
     assert error(MODELS[name]()) <= 1e-14
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_each_way_saves_operations_where_it_is_taken(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     system = MODELS[name]()
-    chosen = bodies_that_save(tree(system))
+    chosen = choose(tree(system)).bodies
     with_all = cost(system)
-    monkeypatch.setattr(fixed_frame_columns, "bodies_that_save", no_bodies)
+    monkeypatch.setattr(fixed_frame_columns, "choose", no_bodies)
     without_fixed_frame = cost(system)
     assert with_all < without_fixed_frame if chosen else with_all == without_fixed_frame
     monkeypatch.setattr(columns, "_shift_saves", lambda *_: False)
