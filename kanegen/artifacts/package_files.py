@@ -32,6 +32,7 @@ def _variables(source: Source) -> Context:
     described = {one.name: one.doc for one in source.functions}
     described |= {one.name: one.doc for one in source.rollouts}
     return variables | {
+        "pieces": source.pieces,
         "next_steps": list(source.next_steps.items()),
         "integrators": [(name, described[name]) for name in source.integrators],
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],

@@ -132,4 +132,5 @@ def _product(source: Source, batch: bool, simd: bool) -> Product:
         link=found.link,
         link_arguments=found.linker_options(options),
         fingerprints=(found.fingerprint,),
+        pieces=source.pieces,
     )

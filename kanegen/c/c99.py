@@ -7,7 +7,7 @@ arrays of another precision than the arithmetic, and batches in SIMD vectors whe
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from kanegen.c import usage
 from kanegen.c.columns import Sweeps
@@ -20,6 +20,7 @@ from kanegen.c.footprint import footprints
 from kanegen.c.functions import Code, PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
+from kanegen.c.pieces import divided
 from kanegen.c.printed_steps import PrintedRollout, printed_steps
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
@@ -87,7 +88,10 @@ class C99:
         formats = render_input.formats
         arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
         kanegen_sincos = render_input.sincos is not None and arithmetic is formats.arithmetic
-        return scalar(formats, arithmetic, kanegen_sincos, render_input.places, render_input.batches)
+        in_pieces = render_input.pieces > 0
+        return scalar(
+            formats, arithmetic, kanegen_sincos, render_input.places, render_input.batches, in_pieces
+        )
 
     def printed(self, render_input: RenderInput) -> Printed:
         """Return header, source, batch source and the headers that these include."""
@@ -104,7 +108,9 @@ class C99:
         if render_input.variant.is_multiversioned:
             files |= _versions(files, variables)
         types = double_double.declared if double_double else ""
-        return Printed(files, types + variables["declarations"], variables["footprints"])
+        return Printed(
+            files, types + variables["declarations"], variables["footprints"], _pieces(files, variables)
+        )
 
     def _context(self, render_input: RenderInput) -> Context:
         """Return the variables of all templates."""
@@ -119,9 +125,16 @@ class C99:
             render_input.variant,
             [one.step for one in render_input.rollouts],
         )
+        pieces, batch_pieces = (
+            divided([part for one in codes for part in one.parts], render_input.pieces)
+            for codes in ([one.code for one in printed], [one.simd_code for one in printed])
+        )
         variables |= {
             "choices": printed_choices(render_input, printed),
-            "functions": printed,
+            "functions": _without_parts(printed) if render_input.pieces else printed,
+            "pieces": pieces,
+            "batch_pieces": batch_pieces,
+            "has_parts": any(one.code.parts or one.code.columns for one in printed),
             "rollouts": rollouts,
             "steps": [*steps, *rollouts],
             "nomenclature": nomenclature(printed, _text_of_steps(steps, rollouts)),
@@ -140,6 +153,21 @@ class C99:
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
 
 
+def _without_parts(functions: Sequence[PrintedFunction]) -> list[PrintedFunction]:
+    """Return functions whose parts stand in pieces."""
+    return [
+        replace(one, code=replace(one.code, parts=()), simd_code=replace(one.simd_code, parts=()))
+        for one in functions
+    ]
+
+
+def _pieces(files: Mapping[str, str], variables: Context) -> dict[str, int]:
+    """Return the number of pieces of each file that has several."""
+    name = variables["model"].name
+    numbers = {f"{name}.c": variables["pieces"].number, f"{name}_batch.c": variables["batch_pieces"].number}
+    return {file: number for file, number in numbers.items() if number and file in files}
+
+
 def _versions(files: Mapping[str, str], variables: Context) -> dict[str, str]:
     """Return the files of a model whose functions are compiled for several instruction sets.
 
@@ -153,8 +181,10 @@ def _versions(files: Mapping[str, str], variables: Context) -> dict[str, str]:
         file, version_file = (pattern.format(name=variables["model"].name) for pattern in patterns)
         if file in files:
             headers = included(files[file], common)
+            batch = file.endswith("_batch.c")
             of_file = variables | {
-                "batch": file.endswith("_batch.c"),
+                "batch": batch,
+                "pieces": variables["batch_pieces" if batch else "pieces"],
                 "version_file": version_file,
                 "own": defined_names([*headers, files[file]]),
                 "macros": macros_of_width(headers),

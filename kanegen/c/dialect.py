@@ -65,6 +65,7 @@ class Dialect:
         kanegen_sincos: Whether sine and cosine are those of kanegen_sincos.h, else those of libm.
         places: Enumerators of the places of some arrays, by name of the array.
         has_lanes: Whether kanegen_simd.h stands beside the code.
+        in_pieces: Whether parts of functions stand in pieces of a file, which may be compiled each by itself.
     """
 
     formats: Formats
@@ -72,6 +73,7 @@ class Dialect:
     kanegen_sincos: bool = False
     places: Mapping[str, Sequence[str]] = field(default_factory=dict)
     has_lanes: bool = True
+    in_pieces: bool = False
 
     @property
     def is_scalar(self) -> bool:
@@ -153,7 +155,8 @@ class Dialect:
             may_fail: Whether it returns a status.
             arrays: Names of the arrays that it takes.
         """
-        return f"static NOINLINE {self.status if may_fail else 'void'} {name}"
+        linkage = "PART" if self.in_pieces else "static NOINLINE"
+        return f"{linkage} {self.status if may_fail else 'void'} {name}"
 
     def function(self, op: Op, everywhere: bool) -> str:
         """Return the name of the function for `op`.
@@ -342,15 +345,17 @@ def scalar(
     kanegen_sincos: bool = False,
     places: Mapping[str, Sequence[str]] = NO_NAMES,
     has_lanes: bool = True,
+    in_pieces: bool = False,
 ) -> Dialect:
     """Return the dialect for one state, which computes in the arithmetic of `formats` by default."""
-    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos, places, has_lanes)
+    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos, places, has_lanes, in_pieces)
 
 
 def simd(
     precision: Precision = DOUBLE,
     kanegen_sincos: bool = False,
     places: Mapping[str, Sequence[str]] = NO_NAMES,
+    in_pieces: bool = False,
 ) -> SimdDialect:
     """Return the dialect for several states in SIMD lanes of one precision."""
-    return SimdDialect(uniform(precision), precision, kanegen_sincos, places)
+    return SimdDialect(uniform(precision), precision, kanegen_sincos, places, in_pieces=in_pieces)

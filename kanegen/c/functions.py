@@ -27,6 +27,7 @@ from kanegen.c.dialect import ELEMENTARY, Dialect, simd
 from kanegen.c.function_body import body
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, wrap
+from kanegen.c.pieces import Part
 from kanegen.c.simd import SIMD
 from kanegen.c.target import RenderInput, Target
 from kanegen.c.vector_sincos import vector_sincos
@@ -41,6 +42,7 @@ class Code:
     Attributes:
         body: Lines between its braces.
         parts: Lines of prototype and body of each function that it calls in turn.
+        columns: The same of each function that solves for columns in loops, called after the parts.
         vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
@@ -52,7 +54,8 @@ class Code:
     """
 
     body: list[str]
-    parts: tuple[tuple[list[str], list[str]], ...] = ()
+    parts: tuple[Part, ...] = ()
+    columns: tuple[Part, ...] = ()
     vector_sincos: int = 0
     has_sines: bool = False
     locals: frozenset[str] = frozenset()
@@ -154,7 +157,12 @@ def scalar_code(
 
 def _simd_code(render_input: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
     """Return the body of the SIMD form."""
-    dialect = simd(render_input.formats.arithmetic, render_input.sincos is not None, render_input.places)
+    dialect = simd(
+        render_input.formats.arithmetic,
+        render_input.sincos is not None,
+        render_input.places,
+        render_input.pieces > 0,
+    )
     return code(f"{name}_simd", function, parts, dialect, flushes=render_input.variant.flushes)
 
 
@@ -193,7 +201,7 @@ def code(
     status = bodies[-1].status
     if len(programs) == 1 and not flushes and not function.loops:
         lines = [*bodies[0].lines, *ending(function, programs, dialect, status, infinite)]
-        return Code(lines, (), most, has_sines, names, takes_sines, precision, part_locals=held)
+        return Code(lines, (), (), most, has_sines, names, takes_sines, precision, part_locals=held)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
     for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
@@ -201,14 +209,26 @@ def code(
         parts.append((part.prototype, [*one.lines, *_returned(one.status)]))
         calls += part.call()
     sweeps = Sweeps(dialect) if function.loops else None
+    solving = []
     for number, loops in enumerate(function.loops, start=1):
         columns = printed_columns(f"{name}_columns_{number}", loops, Sweeps(dialect))
-        parts.append((columns.prototype, columns.body))
+        solving.append((columns.prototype, columns.body))
         calls += _where_possible(columns.call, status if dialect.is_scalar else "")
     if flushes:
         calls.append("    restore_mode(before);")
     calls += ending(function, programs, dialect, status and "status", infinite)
-    return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision, "", held, sweeps)
+    return Code(
+        calls,
+        tuple(parts),
+        tuple(solving),
+        most,
+        has_sines,
+        names,
+        takes_sines,
+        precision,
+        part_locals=held,
+        sweeps=sweeps,
+    )
 
 
 def _where_possible(call: Sequence[str], status: str) -> list[str]:

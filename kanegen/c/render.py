@@ -105,6 +105,7 @@ def printed(render_input: RenderInput, target: Target) -> Source:
         rollouts=render_input.rollouts,
         integrators=tuple(render_input.steps),
         footprints=made.footprints,
+        pieces=made.pieces,
     )
 
 

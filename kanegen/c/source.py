@@ -51,6 +51,8 @@ class Source:
         render_input: The programs that were printed, with the choices for the code; None for a source that
             was not made by `render`.
         footprints: Stack and code of every function for one state, where the target knows them.
+        pieces: Number of pieces of each long file, by its name. Such a file may be compiled as a whole, or in
+            pieces at the same time: with `-DKANEGEN_PIECE=0`, and with each number up to this one.
         system: The system that the programs compute; None where only the description is known.
 
     Example:
@@ -79,6 +81,7 @@ class Source:
     rollouts: tuple[Rollout, ...] = ()
     integrators: tuple[str, ...] = ()
     footprints: tuple[Footprint, ...] = field(default=(), repr=False, compare=False)
+    pieces: Mapping[str, int] = field(default_factory=dict)
 
     @cached_property
     def module(self) -> Module | None:

@@ -8,7 +8,7 @@ and the files. `c99` is the first target; its variants are the precisions and SI
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -16,6 +16,7 @@ from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import Dialect
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import Footprint, Function, prepared_names, requested, signatures
+from kanegen.c.pieces import number_of_pieces
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.c.steps import Rollout, step_function
@@ -100,6 +101,11 @@ class RenderInput:
             return requested(self.module)
         return self.chosen
 
+    @cached_property
+    def pieces(self) -> int:
+        """Number of pieces of a long file of C, 0 where it is too short to be divided."""
+        return number_of_pieces(self.programs)
+
     @property
     def formats(self) -> Formats:
         """Precisions of arrays and arithmetic."""
@@ -129,11 +135,13 @@ class Printed:
         files: Text of every file of code by its name, without the line of provenance.
         declarations: Enumerations and prototypes for callers in plain C, as cffi reads them.
         footprints: Memory of every function for one state, where the target knows it.
+        pieces: Number of pieces with parts of functions, by the name of each file that has several.
     """
 
     files: Mapping[str, str]
     declarations: str
     footprints: tuple[Footprint, ...] = ()
+    pieces: Mapping[str, int] = field(default_factory=dict)
 
 
 @runtime_checkable

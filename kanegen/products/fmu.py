@@ -95,6 +95,7 @@ def _library(source: Source, sources: Mapping[str, bytes], platform: Platform) -
         link=(*semantics.linker_flags(command), "-shared", "-s"),
         link_arguments=("-lm",),
         fingerprints=(found.fingerprint, platform.name),
+        pieces=source.pieces,
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from kanegen.errors import MissingError, OptionError, quoted
 from kanegen.extras import is_installed, module
+from kanegen.library.native import processor
 
 DASK = "dask"
 """The extra that installs `dask.distributed`."""
@@ -91,7 +92,7 @@ def workers_of(executor: Any, workers: int | None = None, seconds: float = SECON
 def _count(workers: int | None) -> int:
     """Return the number of threads."""
     if workers is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return processor.usable()
     if isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 10_000:
         raise OptionError(f"workers: {quoted(workers)} is no number of threads from 1 to 10000.")
     return workers

@@ -3,11 +3,12 @@
 import subprocess
 import sys
 import time
+from itertools import accumulate
 
 import pytest
 
 from kanegen.errors import BuildError
-from kanegen.library.native import cache, commands
+from kanegen.library.native import cache, commands, processor
 from kanegen.library.native.build import program
 
 MAIN = '#include "part.h"\n#include <stdio.h>\nint main(void) { printf("%d\\n", part()); return 0; }\n'
@@ -51,3 +52,13 @@ def test_a_program_is_compiled_once_from_files_in_folders(tmp_path, monkeypatch)
     assert path.stat().st_mtime_ns == made
     other = program("four", files, {**flags, "parts/part.c": ["-O0", "-DVALUE=5"]})
     assert (other != path, commands.output([other])) == (True, "5\n")
+
+
+def test_many_commands_run_in_order_and_few_at_a_time(tmp_path, monkeypatch):
+    monkeypatch.setattr(processor, "usable", lambda: 2)
+    script = f"echo 1 >> {tmp_path}/log; sleep 0.05; echo -1 >> {tmp_path}/log; echo "
+    done = commands.run_all([["/bin/sh", "-c", f"{script}{k}"] for k in range(12)], seconds=60)
+    assert [int(one.stdout) for one in done] == list(range(12))
+    running = list(accumulate(int(line) for line in (tmp_path / "log").read_text().split()))
+    assert (len(running), running[-1]) == (24, 0)
+    assert 1 < max(running) <= 4

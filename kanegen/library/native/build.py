@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,7 @@ class Product:
         link_arguments: Arguments of the linker after the objects, such as `("-lm",)`.
         fingerprints: Fingerprints of the compilers.
         seconds: Time limit for each file, s; None is the one of `environment.COMPILE_SECONDS`.
+        pieces: Number of pieces of source files that are compiled in pieces, as in `Source.pieces`.
     """
 
     name: str
@@ -49,13 +50,29 @@ class Product:
     link_arguments: tuple[str, ...]
     fingerprints: tuple[str, ...]
     seconds: float | None = None
+    pieces: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def objects(self) -> dict[str, list[str]]:
+        """For each object file the command that makes it."""
+        return {
+            f"{stem}.o": [*command, *selected, "-c", file, "-o", f"{stem}.o"]
+            for file, command in self.compile.items()
+            for stem, selected in self._compiled(file)
+        }
+
+    def _compiled(self, file: str) -> list[tuple[str, list[str]]]:
+        """Return for each object of a source file its name, without suffix, and the flags that select it."""
+        if file not in self.pieces:
+            return [(file, [])]
+        return [(f"{file}.{i}", [f"-DKANEGEN_PIECE={i}"]) for i in range(self.pieces[file] + 1)]
 
     @property
     def key(self) -> str:
         """Name of its entry in the cache."""
         texts = [part for item in sorted(self.files.items()) for part in item]
-        commands_ = [shlex.join((file, *command)) for file, command in self.compile.items()]
-        parts = [self.name, *texts, *commands_, *self.link, *self.link_arguments, *self.fingerprints]
+        compile_ = map(shlex.join, self.objects.values())
+        parts = [self.name, *texts, *compile_, *self.link, *self.link_arguments, *self.fingerprints]
         return cache.key([*parts, processor.fingerprint()])
 
 
@@ -119,6 +136,7 @@ class Recipe:
             link=(*semantics.linker_flags(command), "-shared"),
             link_arguments=("-lm",),
             fingerprints=(found.fingerprint,),
+            pieces=source.pieces,
         )
         return product if self.facade is None else _with_facade(product, self.facade, found, chosen)
 
@@ -197,7 +215,7 @@ def program(
 def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
     """Return what `take` returns for the file of `product` in the cache, which is compiled if it is missing.
 
-    All source files are compiled at the same time.
+    Source files, and the pieces of long ones, are compiled at the same time.
 
     Args:
         product: The library or program.
@@ -207,17 +225,14 @@ def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
         BuildError: If a compiler fails or the cache folder cannot be used.
         TimeLimitError: If a command exceeds the time limit of the product.
     """
-    objects = {file: f"{file}.o" for file in product.compile}
+    objects = product.objects
 
     def fill(folder: Path) -> None:
         seconds = environment.compile_seconds() if product.seconds is None else product.seconds
         write(product.files, folder)
-        compile_ = {
-            objects[f]: [*command, "-c", f, "-o", objects[f]] for f, command in product.compile.items()
-        }
-        link = [*product.link, "-o", product.name, *objects.values(), *product.link_arguments]
+        link = [*product.link, "-o", product.name, *objects, *product.link_arguments]
         try:
-            commands.make_all(compile_, folder, seconds)
+            commands.make_all(objects, folder, seconds)
             commands.make(link, product.name, folder, seconds)
         except commands.TimeLimitError as error:
             if product.seconds is not None:
@@ -225,7 +240,7 @@ def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
             raise BuildError(
                 f"{error} If the compiler does not hang, set ${environment.COMPILE_SECONDS} to more seconds."
             ) from error
-        for file in objects.values():
+        for file in objects:
             (folder / file).unlink()
 
     return cache.use(product.key, product.name, fill, take)

@@ -11,12 +11,17 @@ import shlex
 import signal
 import subprocess
 import time
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from kanegen.errors import LONGEST_OUTPUT, BuildError, excerpt
 from kanegen.files import reason
+from kanegen.library.native import processor
+
+_AT_ONCE = 2
+"""Commands at a time for each processor: the one that is waited for may not be the first to end."""
 
 _LONGEST_REASON = 300
 """Characters of a reason that no line of the output gives."""
@@ -89,7 +94,9 @@ def run(
 def run_all(
     commands: Sequence[Sequence[str | Path]], folder: Path | None = None, seconds: float | None = None
 ) -> list[subprocess.CompletedProcess[str]]:
-    """Run commands at the same time and wait until all have ended.
+    """Run commands, some of them at the same time, and wait until all have ended.
+
+    They start in order, at most `_AT_ONCE` at a time for each processor that this process may use.
 
     Args:
         commands: Program and arguments of each.
@@ -102,9 +109,12 @@ def run_all(
     """
     deadline = None if seconds is None else time.monotonic() + seconds
     with ExitStack() as stack:
-        processes = [stack.enter_context(_started(command, folder)) for command in commands]
+        waiting, running = deque(commands), deque[subprocess.Popen[str]]()
         done = []
-        for command, process in zip(commands, processes, strict=True):
+        for command in commands:
+            while waiting and len(running) < _AT_ONCE * processor.usable():
+                running.append(stack.enter_context(_started(waiting.popleft(), folder)))
+            process = running.popleft()
             left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
             try:
                 output, errors = process.communicate(timeout=left)
@@ -180,7 +190,7 @@ def make(command: Sequence[str], file: str, folder: Path, seconds: float | None 
 
 
 def make_all(commands: Mapping[str, Sequence[str]], folder: Path, seconds: float | None = None) -> None:
-    """Run compilers at the same time, each of which must make a file.
+    """Run compilers, several at the same time, each of which must make a file.
 
     Args:
         commands: Compiler and arguments by the file that it makes, relative to `folder`.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import platform
 import subprocess
 import sys
@@ -32,6 +33,11 @@ def fingerprint() -> str:
     """
     parts = (platform.system(), platform.machine(), *platform.libc_ver(), features())
     return "\n".join(parts)
+
+
+def usable() -> int:
+    """Return the number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def features() -> str:
