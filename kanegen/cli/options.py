@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from kanegen.cli.loading import names_of
 from kanegen.errors import OptionError
 from kanegen.extras import BENCH, require
 from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
@@ -51,32 +52,44 @@ RightAngles = Annotated[
         "for pi/2.",
     ),
 ]
+
+
+def _outputs(texts: list[str]) -> list[str]:
+    """Return the names of outputs, each text one name or several."""
+    return names_of("--output", texts)
+
+
 Outputs = Annotated[
     list[str],
     typer.Option(
         "--output",
-        metavar="NAME",
-        help="Compute this output (repeatable): mass_matrix, forcing, gravity_forces, velocity_forces, "
-        "coriolis_matrix, inverse_dynamics, reaction_loads, forward_dynamics, error_estimate, "
-        "error_bound, regularity, mass_matrix_inverse, contact_dynamics, contact_forces, kinetic_energy, "
-        "potential_energy, momentum, centroidal_momentum_matrix, centroidal_momentum_bias, mass_center, "
-        "body_poses, frame_velocities, frame_accelerations, frame_bias_accelerations, frame_jacobians, "
-        "coordinate_rates, point_positions, point_velocities, point_accelerations, point_jacobians, "
-        "operational_inertia, operational_inertia_inverse, operational_bias, regressor, base_regressor, "
+        metavar="NAMES",
+        callback=_outputs,
+        help="Compute these outputs, one name or several separated by commas (repeatable): "
+        "mass_matrix, forcing, gravity_forces, velocity_forces, coriolis_matrix, "
+        "inverse_dynamics, reaction_loads, forward_dynamics, error_estimate, error_bound, "
+        "regularity, mass_matrix_inverse, contact_dynamics, contact_forces, kinetic_energy, "
+        "potential_energy, momentum, centroidal_momentum_matrix, centroidal_momentum_bias, "
+        "mass_center, body_poses, frame_velocities, frame_accelerations, "
+        "frame_bias_accelerations, frame_jacobians, coordinate_rates, point_positions, "
+        "point_velocities, point_accelerations, point_jacobians, operational_inertia, "
+        "operational_inertia_inverse, operational_bias, regressor, base_regressor, "
         "prescribed_efforts, forcing_derivatives, gravity_forces_derivatives, "
-        "inverse_dynamics_derivatives, forward_dynamics_derivatives, contact_dynamics_derivatives, "
-        "coordinate_rates_derivatives, point_positions_derivatives, point_velocities_derivatives, "
-        "point_accelerations_derivatives, kinetic_energy_derivatives, potential_energy_derivatives, "
-        "momentum_derivatives, centroidal_momentum_bias_derivatives, mass_center_derivatives, "
-        "forcing_input_derivatives, inverse_dynamics_input_derivatives, forward_dynamics_input_derivatives, "
-        "forcing_jvp, forcing_vjp, forcing_hvp, inverse_dynamics_jvp, inverse_dynamics_vjp, "
-        "inverse_dynamics_hvp, forward_dynamics_jvp, forward_dynamics_vjp, forward_dynamics_hvp, "
-        "inverse_dynamics_second_derivatives, forward_dynamics_second_derivatives, "
-        "step_euler, rollout_euler, step_euler_derivatives, step_semi_implicit_euler, "
-        "rollout_semi_implicit_euler, step_semi_implicit_euler_derivatives, step_rk4, rollout_rk4, "
-        "step_rk4_derivatives, step_implicit_midpoint, rollout_implicit_midpoint, "
-        "step_implicit_midpoint_derivatives, step_variational_midpoint, rollout_variational_midpoint, "
-        "step_linearly_implicit, rollout_linearly_implicit.",
+        "inverse_dynamics_derivatives, forward_dynamics_derivatives, "
+        "contact_dynamics_derivatives, coordinate_rates_derivatives, point_positions_derivatives, "
+        "point_velocities_derivatives, point_accelerations_derivatives, "
+        "kinetic_energy_derivatives, potential_energy_derivatives, momentum_derivatives, "
+        "centroidal_momentum_bias_derivatives, mass_center_derivatives, "
+        "forcing_input_derivatives, inverse_dynamics_input_derivatives, "
+        "forward_dynamics_input_derivatives, forcing_jvp, forcing_vjp, forcing_hvp, "
+        "inverse_dynamics_jvp, inverse_dynamics_vjp, inverse_dynamics_hvp, forward_dynamics_jvp, "
+        "forward_dynamics_vjp, forward_dynamics_hvp, inverse_dynamics_second_derivatives, "
+        "forward_dynamics_second_derivatives, step_euler, rollout_euler, step_euler_derivatives, "
+        "step_semi_implicit_euler, rollout_semi_implicit_euler, "
+        "step_semi_implicit_euler_derivatives, step_rk4, rollout_rk4, step_rk4_derivatives, "
+        "step_implicit_midpoint, rollout_implicit_midpoint, step_implicit_midpoint_derivatives, "
+        "step_variational_midpoint, rollout_variational_midpoint, step_linearly_implicit, "
+        "rollout_linearly_implicit.",
     ),
 ]
 TARGETS = (

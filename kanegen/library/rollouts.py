@@ -204,7 +204,7 @@ class Rollouts(CompiledModel):
         if length == 0.0:
             raise OptionError("step: a step needs a length other than 0 s.")
         require_one("hold", hold, HOLDS)
-        numbers = {"steps": _count("steps", steps, 0), "every": _count("every", every, 1)}
+        numbers = {"steps": number_of_steps("steps", steps, 0), "every": number_of_steps("every", every, 1)}
         is_compensated = flag("compensated", compensated)
         if is_compensated and any("order of sums" in SEMANTICS[s].lost_properties for s in self._semantics):
             raise OptionError(
@@ -218,8 +218,13 @@ class Rollouts(CompiledModel):
         return self.source.variant.semantics
 
 
-def _count(name: str, value: object, least: int) -> int:
-    """Return a number of steps.
+def number_of_steps(name: str, value: object, least: int) -> int:
+    """Return a number of steps that a caller passes.
+
+    Args:
+        name: Name of the argument, used in error messages.
+        value: Its value.
+        least: Least number.
 
     Raises:
         OptionError: If it is no whole number, less than `least`, or more than `MOST_STEPS`.

@@ -75,6 +75,15 @@ def test_generate_one_output(tmp_path: Path) -> None:
     assert "double_pendulum_mass_matrix" not in header
 
 
+def test_outputs_are_separated_by_commas_or_repeated(tmp_path: Path) -> None:
+    texts = ("--output", "forcing,kinetic_energy", "--output", "momentum")
+    kanegen("generate", PENDULUM, "-o", str(tmp_path), *texts)
+    header = (tmp_path / "double_pendulum.h").read_text()
+    for name in ("forcing", "kinetic_energy", "momentum"):
+        assert f"double_pendulum_{name}(" in header
+    assert "double_pendulum_mass_matrix(" not in header
+
+
 def test_lock_takes_freedoms_out_of_the_model() -> None:
     found = json.loads(kanegen("info", PENDULUM, "--lock", "q1 = -0.3", "--json").stdout)
     assert [freedom["name"] for freedom in found["freedoms"]] == ["q2"]

@@ -657,6 +657,17 @@ def test_what_does_not_exist(jax: Any) -> None:
     }
 
 
+def test_compiled_functions_that_ran_before_fail_with_the_same_message(jax: Any) -> None:
+    """JAX raises one of two classes then."""
+    run = jax.jit(made("double_pendulum", derivatives=False, on_status="raise").forward_dynamics)
+    state = [jax.numpy.asarray(one) for one in np.zeros((3, 2))]
+    for _ in range(3):
+        run(*state).block_until_ready()
+    message = r"FAILED_PRECONDITION: forward_dynamics: the pivot of .A. at freedom .* x\[0\] is nan"
+    with pytest.raises((jax.errors.JaxRuntimeError, ValueError), match=message):
+        run(state[0] * np.nan, *state[1:]).block_until_ready()
+
+
 def test_loads_on_bodies_that_take_none(satellite: Any, jax: Any) -> None:
     x, y, tau = state(satellite)
     (row, *_) = satellite.library.source.model.unloaded("body")
@@ -739,7 +750,7 @@ def test_lists_of_traced_numbers(pendulum: Any, jax: Any) -> None:
         pendulum.forward_dynamics(jax.numpy.zeros(2) > 0, np.zeros(2))
 
 
-def test_wrong_motions(pendulum: Any, satellite: Any) -> None:
+def test_wrong_motions(pendulum: Any, satellite: Any, jax: Any) -> None:
     with pytest.raises(
         ArrayError, match=r"^state: expected shape \(..., 4\), \{x\} then \{y\}, got \(3,\)\.$"
     ):
@@ -750,6 +761,15 @@ def test_wrong_motions(pendulum: Any, satellite: Any) -> None:
         ArrayError, match=r"^x: expected shape \(2,\), got \(4, 2\)\. For many use jax\.vmap\.$"
     ):
         pendulum.rollout(np.zeros((4, 2)), np.zeros((4, 2)), steps=10, step=0.1)
+    for steps in (-1, 2.5, True, "10", None):
+        with pytest.raises(OptionError, match=r"steps: .* is no whole number from 0 on\."):
+            pendulum.rollout(np.zeros(2), np.zeros(2), steps=steps, step=0.1)
+    with pytest.raises(OptionError, match=r"steps: .* is no whole number from 0 on\."):
+        jax.jit(lambda steps: pendulum.rollout(np.zeros(2), np.zeros(2), steps=steps, step=0.1))(3)
+    with pytest.raises(ArrayError, match=r"step: expected one number for all steps, got shape \(3,\)\."):
+        pendulum.rollout(np.zeros(2), np.zeros(2), steps=3, step=np.full(3, 0.1))
+    x, _ = pendulum.rollout(np.zeros(2), np.zeros(2), steps=jax.numpy.array(3), step=0.1)
+    assert x.shape == (4, 2)
     with pytest.raises(OptionError, match="was built without the output 'step_euler'"):
         pendulum.step(np.zeros(2), np.zeros(2), step=0.1, method="euler")
     with pytest.raises(OptionError, match="unknown method 'rk45'"):

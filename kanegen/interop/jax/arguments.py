@@ -68,7 +68,8 @@ class Arguments:
         try:
             axes = len(np.broadcast_shapes(*leads))
         except ValueError:
-            shapes = ", ".join(f"{a.name} {one.shape}" for a, one in zip(self.arrays, found, strict=True))
+            pairs = zip(self.arrays, found, leads, strict=True)
+            shapes = ", ".join(f"{array.name} {one.shape}" for array, one, lead in pairs if lead)
             raise ArrayError(f"{self.function}: the leading axes do not fit together: {shapes}.") from None
         return [
             one.reshape(*(1,) * (axes - len(lead)), *lead, array.size)

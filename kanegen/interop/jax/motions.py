@@ -14,6 +14,7 @@ from kanegen.interop.jax.calls import Arrays
 from kanegen.interop.jax.function import Function
 from kanegen.library import Library
 from kanegen.library.native.rollouts import PRESCRIBED
+from kanegen.library.rollouts import number_of_steps
 from kanegen.model.arguments import OPTIONAL
 from kanegen.program.ir import PARAMETERS
 from kanegen.recursion.outputs import METHODS, RATES
@@ -129,8 +130,8 @@ class Motions:
             tau: (n,) constant generalized forces or (steps, n) constant over each step; None is zero.
             force: (N, 3) or (steps, N, 3) forces on the bodies, N; None is zero.
             torque: (N, 3) or (steps, N, 3) torques on the bodies, N m; None is zero.
-            steps: Number of steps.
-            step: Length of a step, s.
+            steps: Number of steps, a whole number that is no traced value.
+            step: Length of a step, s; one number for all.
             method: Name of the method; by default the only one that there is.
             named: Loads on points, as `force`; `t`, the time at the start; and `parameters`.
 
@@ -138,7 +139,8 @@ class Motions:
             (steps + 1, m) coordinates and (steps + 1, n) speeds, the start first.
 
         Raises:
-            OptionError: If the functions were built without the output `step_<method>`.
+            OptionError: If the functions were built without the output `step_<method>`, or `steps` is no
+                whole number from 0 on.
             ArrayError: If an argument has the wrong shape or type.
 
         Example:
@@ -149,10 +151,13 @@ class Motions:
             slope = jax.grad(miss)(tau)
         """
         make = self._function(self._method(method))
+        count = number_of_steps("steps", _known(steps), 0)
+        if np.shape(step):
+            raise ArrayError(f"step: expected one number for all steps, got shape {np.shape(step)}.")
         arrays = {array.name: array.shape for array in make.arguments.arrays}
         given = {"tau": tau, "force": force, "torque": torque, **named}
         given = {name: value for name, value in given.items() if value is not None}
-        rows = {name: given.pop(name) for name in (*given,) if _has_rows(name, given[name], arrays, steps)}
+        rows = {name: given.pop(name) for name in (*given,) if _has_rows(name, given[name], arrays, count)}
         start = given.pop("t", None)
         dtype = make.arguments.types[-1]
         first = []
@@ -170,7 +175,7 @@ class Motions:
             found = make(*state, step=step, **given, **held, **time)
             return found, found
 
-        _, states = jax.lax.scan(one, tuple(first), (jnp.arange(steps), rows))
+        _, states = jax.lax.scan(one, tuple(first), (jnp.arange(count), rows))
         xs, ys = (jnp.concatenate([a[None], b]) for a, b in zip(first, states, strict=True))
         return xs, ys
 
@@ -203,6 +208,12 @@ class Motions:
             )
         array = jnp.asarray(state)
         return array[..., :m], array[..., m:]
+
+
+def _known(steps: Any) -> Any:
+    """Return a number of steps as NumPy has it where JAX holds a whole number that is no traced value."""
+    is_known = isinstance(steps, jax.Array) and not isinstance(steps, jax.core.Tracer)
+    return np.asarray(steps)[()] if is_known else steps
 
 
 def _has_rows(name: str, value: Any, shapes: Mapping[str, tuple[int, ...]], steps: int) -> bool:
