@@ -132,7 +132,7 @@ def _add_points(found: dict[int, FixedFrameJoint], choice: FixedFrameChoice, tre
         if kept := choice.kept.get(k, 0):
             tree.about(k, f"the joint seen from body {kept}, for columns of [A] about its point O")
             seen = found[k] = _keeping(seen, kept, definitions)
-            arriving[kept] = definitions.vector(f"p_{j}_{kept}h", add(seen.points[kept], seen.arm))
+            arriving[kept] = definitions.vector(f"d_{j}_{kept}h", add(seen.points[kept], seen.arm))
         if j:
             found[j] = replace(found[j], points={**found[j].points, **arriving})
 
@@ -141,7 +141,7 @@ def _keeping(seen: FixedFrameJoint, kept: int, definitions: Definitions) -> Fixe
     """Return a joint at which columns stay about the point O of body `kept`."""
     away = negate(seen.points[kept])
     lever_arms = {
-        number: definitions.vector(f"p_{number}_{kept}u", cross(away, axis))
+        number: definitions.vector(f"l_{number}_{kept}h", cross(away, axis))
         for number, axis in seen.axes.items()
     }
     return replace(seen, kept=kept, lever_arms=lever_arms)

@@ -90,11 +90,8 @@ NAMES = (
     ("o_{K}_{x}", "the point that serves as the origin of body K, from O_K, in K (m)"),
     ("d_{K}_{x}", "origin of body K from the origin of J, in J (m)"),
     ("q_{K}h_{x}", "q_K in the fixed frame (m)"),
-    ("p_{J}_{K}h_{x}", "O_K from O_J in the fixed frame (m)"),
-    (
-        "p_{n}_{K}u_{x}",
-        "moment about O_K of a unit force along the axis of the freedom at place n of {y} (m)",
-    ),
+    ("d_{J}_{K}h_{x}", "O_K from O_J in the fixed frame (m)"),
+    ("l_{n}_{K}h_{x}", "lever arms about O_K of the rotation at place n of {y}, in the fixed frame (m)"),
     # Inertia
     ("r_{K}_{x}", "mass centre of body K from its origin, in K (m)"),
     ("r_{K}l_{x}", "a loaded point of body K from its origin, in K (m)"),
@@ -143,7 +140,6 @@ NAMES = (
     ("F_{L}_{K}q_{x}", "force for unit acceleration of L, combined from those of three translations"),
     ("M_{L}_{P}_{x}", "moment for unit acceleration of L, in P (kg m, kg m^2)"),
     ("M_{L}_{K}h_{x}", "moment for unit acceleration of L about O_K, in the fixed frame"),
-    ("M_{L}_{K}o_{x}", "moment for unit acceleration of L about O_K, in K"),
     ("M_{L}_{n}_{i}", "component i, from 0, of the moment for unit acceleration of L"),
     ("Q_{L}_{x}", "shares of the forces of three translations in the force of L"),
     ("E_{P}_{i}_{x}", "basis vector i of the fixed frame, in P"),

@@ -14,6 +14,7 @@ from kanegen.recursion.meanings import FREEDOMS, MARKS, PLACES
 from kanegen.recursion.outputs import INTEGRATORS, available
 from tests.support import systems
 from tests.support.cases import slow_except
+from tests.support.chains import hinges
 from tests.support.paths import MODEL_FILES, MODELS
 
 EQUATIONS = ("mass_matrix", "forcing")
@@ -87,6 +88,15 @@ def check(source):
 @pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
 def test_names_of_the_equations(path):
     check(kg.generate(kg.load(path), EQUATIONS))
+
+
+def test_names_of_long_chains():
+    """Columns of [A] change to the fixed frame, and stay about one point while they pass several joints."""
+    source = kg.generate(hinges(20), EQUATIONS)
+    names = locals_of(source)
+    assert {"q_15h_x", "d_1_5h_z"} <= names
+    assert any(name.startswith("l_") for name in names)
+    check(source)
 
 
 @pytest.mark.parametrize("name", ["quarter_car", "gantry_crane", "satellite", "free_body", "double_pendulum"])
