@@ -1,8 +1,9 @@
 """The statements of a function body, printed from a program.
 
-Named inputs are loaded first. Every other value is computed at the place of its instruction: a named value,
-or a value used more than once, into a const local; a value used once, inside the expression that uses it. An
-output is stored as soon as its value is known, so that few values are live at a time.
+Named inputs are loaded first, those of long arrays where they are first used. Every other value is computed
+at the place of its instruction: a named value, or a value used more than once, into a const local; a value
+used once, inside the expression that uses it. An output is stored as soon as its value is known, so that few
+values are live at a time.
 """
 
 from __future__ import annotations
@@ -16,8 +17,12 @@ from kanegen.c.dialect import ELEMENTARY, SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
 from kanegen.c.vector_sincos import NAMES, vector_sincos
-from kanegen.program.ir import WORKSPACE, Array, Instruction, Op, Program
+from kanegen.program.ir import PREPARED, WORKSPACE, Array, Instruction, Op, Program
 from kanegen.program.precision import Precision
+
+NEAR = (WORKSPACE, PREPARED)
+"""Arrays of many elements, which are read where they are used: compilers load what is read early, and leave
+it in memory once more until it is used."""
 
 LONGEST = 16
 """Most operations in one expression; longer expressions are cut by numbered locals."""
@@ -100,9 +105,8 @@ class _Printer:
             self._lines.append(f"    {run.loop(self._dialect.number_in(run.array.name, 0.0))}")
         if self._sincos:
             self._lines += self._sincos.lines(self._dialect.number)
-        # Inputs come first, except those of the workspace, which is as near as a local.
         for i in self._live:
-            if i in self._names and self._instructions[i].array not in ("", WORKSPACE):
+            if i in self._names and self._instructions[i].array not in ("", *NEAR):
                 self._define(i)
         next_ = 0
         for i in self._live:

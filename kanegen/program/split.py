@@ -203,6 +203,8 @@ def _collect_parameter_only(
 def _with_prepared(program: Program, early: Sequence[bool], read: Mapping[int, int], array: Array) -> Program:
     """Return a function that reads prepared constants instead of computing them.
 
+    Each is read where it is first used, as near as a number in the code.
+
     Args:
         program: The function.
         early: Which of its instructions depend on parameters alone.
@@ -212,15 +214,22 @@ def _with_prepared(program: Program, early: Sequence[bool], read: Mapping[int, i
     rest = Builder((array, *(a for a in program.inputs if a.name != PARAMETERS)))
     moved: dict[int, int] = {}
     prepared: dict[int, int] = {}
+
+    def value(i: int) -> int:
+        """Return value i of the program in the function."""
+        if i not in read:
+            return moved[i]
+        place = read[i]
+        if place not in prepared:
+            name = program.instructions[i].name or f"c_{place + 1}"
+            prepared[place] = rest.input(PREPARED, place, name)
+        return prepared[place]
+
     for i, instruction in enumerate(program.instructions):
-        if i in read:
-            place = read[i]
-            if place not in prepared:
-                prepared[place] = rest.input(PREPARED, place, instruction.name or f"c_{place + 1}")
-            moved[i] = prepared[place]
-        elif not early[i] or instruction.op is Op.CONSTANT:
-            moved[i] = rest.copy(instruction, [moved[j] for j in instruction.operands])
-    return rest.program([output.renumbered(moved) for output in program.outputs])
+        if not early[i] or instruction.op is Op.CONSTANT:
+            moved[i] = rest.copy(instruction, [value(j) for j in instruction.operands])
+    every = {i: value(i) for i in program.results()}
+    return rest.program([output.renumbered(every) for output in program.outputs])
 
 
 def _frontier(program: Program, early: Sequence[bool]) -> list[int]:
