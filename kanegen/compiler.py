@@ -61,6 +61,7 @@ from kanegen.model.arguments import NamedInputs
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
+from kanegen.program.garbage import paused_search
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
 from kanegen.program.triangle import FULL, with_form
@@ -77,6 +78,7 @@ from kanegen.reference.range import require_range
 from kanegen.reference.states import random_states
 
 
+@paused_search()
 def compile_module(
     system: System,
     outputs: Iterable[str] = EQUATIONS,
@@ -137,6 +139,7 @@ def derive(
     return symbolic.derive(system)
 
 
+@paused_search()
 def generate(
     system: System,
     outputs: Iterable[str] | None = None,
