@@ -25,7 +25,6 @@ from kanegen.c.printed_steps import PrintedRollout, printed_steps
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
-from kanegen.c.vector_sincos import FEW
 from kanegen.c.versions import VERSIONS, Dispatched, defined_names, included, macros_of_width
 from kanegen.errors import ModelError
 from kanegen.model.names import FILES_OF_C
@@ -142,7 +141,6 @@ class C99:
             "finite_tests": _finite_tests(render_input),
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
-            "few": FEW,
             "has_lower": any(one.is_filled_in_part for f in render_input.functions for one in f.outputs),
             "column_sweeps": _sweeps(function.code for function in printed),
             "batch_column_sweeps": _sweeps(function.simd_code for function in printed),

@@ -14,7 +14,7 @@ _NUMBERED = re.compile(r"t\d+_*")
 _DECLARATION = re.compile(r"^ {4}(?:const )?(?:long double|double|float|int) .*;$", flags=re.MULTILINE)
 
 PRINTED = (
-    ("sines, cosines", "sines and cosines of many coordinates, computed at once"),
+    ("sines, cosines", "sines and cosines of several coordinates, computed at once"),
     ("w", "numbers that one part of a function leaves for later parts"),
     ("failed", "place in x, from 1, of the first freedom whose condition fails"),
     ("inaccurate", "minus the place of the freedom with the least margin, where that is not positive"),

@@ -69,6 +69,17 @@ class Simd:
         """Bit pattern of the sign."""
         return 1 << (self.size - 1)
 
+    def holding(self, count: int) -> int:
+        """Return the fewest lanes, from those of the narrowest instruction set on, that hold `count` numbers.
+
+        Where none do, these are the lanes of the widest instruction set.
+        """
+        return next((width for width in self.widths[-3:] if width >= count), self.widths[-1])
+
+    def elements(self, array: str, last: str, width: int) -> list[str]:
+        """Return the first `width` elements of an array in C; those beyond the place `last` repeat it."""
+        return [f"{array}[0]", *(f"{array}[{k} < {last} ? {k} : {last}]" for k in range(1, width))]
+
     def exchanges(self, width: int) -> Iterator[tuple[int, int, int]]:
         """Yield the steps of a transpose: two vectors, and the size of the groups that they exchange."""
         for size in self.groups(width):

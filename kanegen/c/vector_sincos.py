@@ -1,8 +1,7 @@
-"""Sines and cosines of many coordinates of one state, computed in SIMD lanes.
+"""Sines and cosines of several coordinates of one state, computed in SIMD lanes.
 
-Where a function needs sine and cosine of many elements of one array, it computes them side by side before
-anything else. Computed one by one they would be a large part of the cost of the equations; below `FEWEST`
-angles there is no gain.
+Where a function needs sine and cosine of several elements of one array, it computes them side by side before
+anything else. Computed one by one they would be a large part of the cost of the equations.
 """
 
 from __future__ import annotations
@@ -12,14 +11,11 @@ from dataclasses import dataclass
 from kanegen.c.usage import live
 from kanegen.program.ir import WORKSPACE, Op, Program
 
-FEWEST = 4
-"""Number of angles from which the vector form is faster: two or three do not fill vectors of four numbers."""
+FEWEST = 2
+"""Number of angles from which the vector form is faster."""
 
 SPREAD = 2
 """Elements for each angle up to which the vector form is no slower with two lanes, whatever lies between."""
-
-FEW = 8
-"""Number of angles up to which vectors of four numbers answer sooner than wider ones."""
 
 NAMES = {Op.SIN: "sines", Op.COS: "cosines"}
 """The local arrays that hold the results."""

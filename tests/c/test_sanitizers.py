@@ -34,26 +34,27 @@ def same_bits_and_no_objection(system: kg.System, variant: kg.Variant, compiler:
 
 
 @pytest.mark.parametrize(
-    ("precision", "width", "compiler"),
+    ("angles", "precision", "width", "compiler"),
     [
-        ("double", 4, "gcc"),
-        ("float", 8, "gcc"),
-        ("float", 8, "clang"),
-        pytest.param("double", 4, "clang", marks=pytest.mark.slow),
+        (7, "double", 4, "gcc"),
+        (7, "float", 8, "gcc"),
+        (7, "float", 8, "clang"),
+        (3, "double", 8, "gcc"),
+        pytest.param(7, "double", 4, "clang", marks=pytest.mark.slow),
     ],
 )
-def test_seven_angles_in_vectors(precision: str, width: int, compiler: str) -> None:
+def test_angles_in_vectors(angles: int, precision: str, width: int, compiler: str) -> None:
     """Seven angles are two vectors of four that share an angle, or one of eight that is not full."""
     require(compiler)
-    system = scenes.straight(7)
+    system = scenes.straight(angles)
     source = kg.generate(system, bits.OUTPUTS, tier=kg.Variant(precision=precision))
-    assert "simd_vector_sincos(7, x, sines, cosines)" in source.files["planar.c"]
+    assert f"simd_vector_sincos({angles}, x, sines, cosines)" in source.files["planar.c"]
     same_bits_and_no_objection(system, kg.Variant(precision=precision), compiler, width)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("angles", [6, 8, 9, 11, 13, 16, 17])
+@pytest.mark.parametrize("angles", [2, 3, 5, 6, 8, 9, 11, 13, 16, 17])
 @pytest.mark.parametrize("precision", WIDTHS)
 def test_every_number_of_angles_in_every_width(precision: str, angles: int, compiler: str) -> None:
     require(compiler)
