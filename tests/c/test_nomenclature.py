@@ -92,10 +92,9 @@ def test_names_of_the_equations(path):
 
 def test_names_of_long_chains():
     """Columns of [A] change to the fixed frame, and stay about one point while they pass several joints."""
-    source = kg.generate(hinges(20), EQUATIONS)
+    source = kg.generate(hinges(40), ("mass_matrix",))
     names = locals_of(source)
-    assert {"q_15h_x", "d_1_5h_z"} <= names
-    assert any(name.startswith("l_") for name in names)
+    assert all(any(name.startswith(first) for name in names) for first in ("q_", "d_", "l_"))
     check(source)
 
 
