@@ -293,8 +293,10 @@ class _Sweep:
         slopes = slopes_of_sum(make, self._program, self._moved, radicand, self._one)
         for j, slope in slopes.items():
             steep = make.multiply(slope, make.divide(self._half, root))
-            here = make.function(Op.SELECT, make.function(Op.ABS, slope), steep, self._zero)
+            not_at_minimum = make.add(root, make.function(Op.ABS, slope))
+            here = make.function(Op.SELECT, not_at_minimum, steep, self._zero)
             share = make.multiply(adjoint, here)
             if j in kinks:
-                share = make.function(Op.SELECT, make.function(Op.ABS, adjoint), share, self._zero)
+                counts = make.add(root, make.function(Op.ABS, adjoint))
+                share = make.function(Op.SELECT, counts, share, self._zero)
             yield j, share

@@ -9,7 +9,7 @@ alone, and so counts as 1 there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from kanegen.program.builder import Builder
 from kanegen.program.ir import Op, Program
@@ -85,6 +85,25 @@ def steep(program: Program) -> set[int]:
         if (is_factor or x.op in (Op.MULTIPLY, Op.NEGATE)) and not found.isdisjoint(x.operands):
             found.add(i)
     return found
+
+
+def roots_in(program: Program, i: int, made_of: Collection[int]) -> list[int]:
+    """Return the roots with kinks that an instruction is made of.
+
+    Args:
+        program: The program.
+        i: The instruction, one of `steep`.
+        made_of: All of `steep`.
+    """
+    found: dict[int, None] = {}
+    waiting = [i]
+    while waiting:
+        j = waiting.pop()
+        if program.instructions[j].op is Op.SQRT:
+            found[j] = None
+        else:
+            waiting += [k for k in program.instructions[j].operands if k in made_of]
+    return list(found)
 
 
 def without_signs(make: Builder, program: Program, moved: Mapping[int, int], one: int) -> dict[int, int]:

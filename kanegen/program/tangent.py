@@ -9,12 +9,13 @@ other component as its derivative by the angle.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
 
 from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.plane_rotations import PlaneRotation, plane_rotations
-from kanegen.program.roots import kinks_of_roots, slopes_of_sum, steep, without_signs
+from kanegen.program.roots import kinks_of_roots, roots_in, slopes_of_sum, steep, without_signs
 from kanegen.program.selection import dependencies
 
 FIRST_DIFFERENTIATED = {Op.SIGN: 1, Op.SELECT: 1}
@@ -82,8 +83,8 @@ def seeded_tangents(
     rotations = {i: one for i, one in rotations.items() if seeds.keys().isdisjoint(one.products)}
     products = {product for one in rotations.values() for product in one.products}
     divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
-    kinks, without_slope = _kinks(builder, program, moved, rules.one), steep(program)
-    unsigned = without_signs(builder, program, moved, rules.one) if without_slope else {}
+    kinks, made_of = _kinks(builder, program, moved, rules.one), steep(program)
+    unsigned = without_signs(builder, program, moved, rules.one) if made_of else {}
     found: dict[int, Tangent] = {}
     for i in dependencies(program, wanted):
         instruction = program.instructions[i]
@@ -110,9 +111,14 @@ def seeded_tangents(
                     if direction in found[j]
                 ]
                 value = rules.derivative_of_root(moved[i], slopes[0], hidden)
-            elif instruction.op is Op.MULTIPLY and not without_slope.isdisjoint(instruction.operands):
+            elif instruction.op is Op.MULTIPLY and not made_of.isdisjoint(instruction.operands):
                 pairs = zip(instruction.operands, instruction.operands[::-1], strict=True)
-                where = [unsigned.get(k, moved[k]) if j in without_slope else None for j, k in pairs]
+                where = [
+                    rules.counts(unsigned.get(k, moved[k]), [moved[m] for m in roots_in(program, j, made_of)])
+                    if j in made_of
+                    else None
+                    for j, k in pairs
+                ]
                 value = rules.derivative_of_product(values, slopes, where)
             else:
                 value = rules.derivative(instruction.op, moved[i], values, slopes)
@@ -227,19 +233,29 @@ class _Rules:
         Args:
             operands: The numbers.
             inner: Their derivatives.
-            where: For each of them a value where its derivative counts if this is not 0; None for everywhere.
+            where: For each of them a number that is positive where its derivative counts; None for all.
         """
         (a, b), (da, db), make = operands, inner, self._builder
         left = None if da is None else make.multiply(da, b)
         right = None if db is None else make.multiply(a, db)
         if left is not None and where[0] is not None:
-            left = make.function(Op.SELECT, make.function(Op.ABS, where[0]), left, self._or_zero(None))
+            left = make.function(Op.SELECT, where[0], left, self._or_zero(None))
         if right is not None and where[1] is not None:
-            right = make.function(Op.SELECT, make.function(Op.ABS, where[1]), right, self._or_zero(None))
+            right = make.function(Op.SELECT, where[1], right, self._or_zero(None))
         return self._sum(left, right)
 
+    def counts(self, other: int, roots: Sequence[int]) -> int:
+        """Return a number that is positive where the slope of a factor with roots counts in a product.
+
+        Args:
+            other: The other factor, where signs count as 1.
+            roots: The roots, one of which must be 0 where the slope does not count.
+        """
+        make = self._builder
+        return make.add(make.function(Op.ABS, other), reduce(make.multiply, roots))
+
     def derivative_of_root(self, value: int, da: int | None, hidden: Sequence[tuple[int, int]]) -> int:
-        """Return the derivative of a square root, 0 where its operand does not change.
+        """Return the derivative of a square root, 0 where the root is 0 and its operand does not change.
 
         Where a root is 0, its derivative has no limit. But where also that of its operand is 0, as that of a
         sum of squares, the root is at a minimum, and 0 is the derivative that makes products with it finite.
@@ -253,7 +269,9 @@ class _Rules:
         assert da is not None
         make = self._builder
         slope = make.multiply(da, make.divide(self._half, value))
-        change = make.function(Op.ABS, da)
+        change = make.add(
+            value, make.function(Op.ABS, da)
+        )  # also positive where it is smooth, for tangents of this
         for number, one in hidden:
             away = make.function(Op.ABS, number)
             at_kink = make.function(Op.SELECT, away, self._or_zero(None), make.function(Op.ABS, one))

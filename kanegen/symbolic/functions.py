@@ -180,6 +180,7 @@ class choice(_Real):
 class root(_Real):
     """A power with an exponent below 1 of what may be 0, where its derivative is 0 if that of the base is.
 
+    Elsewhere the derivative is not chosen by that of the base, so that it can be differentiated again.
     It stands in the place of SymPy's power during a differentiation, see `with_roots`.
     """
 
@@ -188,7 +189,8 @@ class root(_Real):
     def _eval_derivative(self, symbol: Expr) -> Expr:
         base, exponent = self.args
         slope = base.diff(symbol)
-        return choice(sympy.Abs(slope), exponent * slope * base ** (exponent - 1), S.Zero)
+        not_at_minimum = sympy.Abs(base) + sympy.Abs(slope)
+        return choice(not_at_minimum, exponent * slope * base ** (exponent - 1), S.Zero)
 
 
 def with_roots(value: Expr) -> Expr:

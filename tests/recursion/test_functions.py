@@ -6,6 +6,7 @@ Expected values are computed with Python's `math` and written out by hand.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -129,6 +130,34 @@ def test_products_with_derivatives_at_kinks_are_those_of_derivatives(text: str, 
         library.forcing_derivatives(rest, rest)[0, 0],
     )
     assert found == pytest.approx((expected,) * 3, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "x", "expected"),
+    [
+        ("sqrt(1 + x.q**2)", (0.0, 0.0), [[1, 0], [0, 0]]),
+        ("sqrt(x.q**2 + x.p**2)", (0.0, -2.0), [[0.5, 0], [0, 0]]),
+        ("sqrt(x.q**2 + x.p**2)**3", (0.0, 2.0), [[6, 0], [0, 12]]),
+        ("sqrt(abs(x.q))*x.p", (4.0, 0.0), [[0, 0.25], [0.25, 0]]),
+        ("x.p*(2 + sqrt(abs(x.q)))", (-4.0, 0.0), [[0, -0.25], [-0.25, 0]]),
+        ("sqrt(abs(x.q) + x.p**2)", (4.0, 0.0), [[-1 / 32, 0], [0, 0.5]]),
+    ],
+)
+def test_second_derivatives_of_roots_where_a_slope_is_zero(
+    text: str, x: tuple[float, float], expected: list[list[float]]
+) -> None:
+    """A slope of 0 is no reason to leave out the slopes of the slope, but at a root that is 0."""
+    library = kg.build(slide(text), ("forcing_hvp",))
+    found = [library.forcing_hvp(x, [0.0, 0.0], [1.0, 0.0], row)[:2] for row in np.eye(4)[:2]]
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
+    potential = replace(slide(text), force_elements=(kg.Potential(kg.parse(text)),))
+    outputs = ("forcing_derivatives", "forcing_vjp")
+    library = kg.build(potential, outputs)
+    np.testing.assert_allclose(
+        library.forcing_derivatives(x, [0.0, 0.0])[:, :2], -np.array(expected), rtol=1e-14, atol=1e-15
+    )
+    rows = [library.forcing_vjp(x, [0.0, 0.0], row)[:2] for row in np.eye(2)]
+    np.testing.assert_allclose(rows, -np.array(expected), rtol=1e-14, atol=1e-15)
 
 
 def test_quadratic_drag_has_the_derivative_zero_at_rest() -> None:
