@@ -38,6 +38,7 @@ def _variables(source: Source) -> Context:
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
         "parameters_by_state": source.parameters_by_state,
         "footprints": source.footprints,
+        "stack": source.render_input.batch_stack if source.render_input else 0,
         "device_headers": [name for name in source.code if name.startswith("kanegen_")],
         "headers": [name for files in source.beside.values() for name in files if _is_header(name)],
         "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],

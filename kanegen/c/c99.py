@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kanegen.c import usage
-from kanegen.c.columns import Sweeps
 from kanegen.c.context import Context, context
 from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, finite_test, scalar
@@ -139,11 +138,11 @@ class C99:
             "nomenclature": nomenclature(printed, _text_of_steps(steps, rollouts)),
             "prepared_places": prepared_places(render_input.model, render_input.prepared),
             "finite_tests": _finite_tests(render_input),
+            "stack": render_input.batch_stack,
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "has_lower": any(one.is_filled_in_part for f in render_input.functions for one in f.outputs),
-            "column_sweeps": _sweeps(function.code for function in printed),
-            "batch_column_sweeps": _sweeps(function.simd_code for function in printed),
+            "has_columns": _has_columns_in_lanes(function.code for function in printed),
             "footprints": footprints(render_input, outputs),
             "scalar_headers": _header_names(function.code for function in printed),
             "batch_headers": _header_names(function.simd_code for function in printed),
@@ -215,9 +214,9 @@ def _header_names(codes: Iterable[Code]) -> list[str]:
     return [f"{elementary_header(precision)}.h" for precision in called]
 
 
-def _sweeps(codes: Iterable[Code]) -> Sweeps | None:
-    """Return the functions by which some functions solve for columns in loops, None without."""
-    return next((code.sweeps for code in codes if code.sweeps is not None), None)
+def _has_columns_in_lanes(codes: Iterable[Code]) -> bool:
+    """Return whether some functions solve for columns in SIMD lanes."""
+    return any(code.has_columns_in_lanes for code in codes)
 
 
 def _elementary_headers(functions: Sequence[PrintedFunction]) -> dict[str, str]:

@@ -16,7 +16,7 @@ from kanegen.c.double_double import DOUBLE_DOUBLE_HEADER
 from kanegen.c.formats import Formats, formats, uniform
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import WIDTH
-from kanegen.c.simd import SIMD, Simd
+from kanegen.c.simd import SIMD
 from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.errors import counted
 from kanegen.model.quoting import c_comment
@@ -89,7 +89,6 @@ def context(
         "limit_type": (DOUBLE if model_formats.storage is DOUBLE_DOUBLE else model_formats.storage).c_type,
         "patterns": declarations.patterns(model, functions),
         "parameter_places": declarations.parameter_places(model),
-        "stack": _batch_stack((*functions, *steps), SIMD.get(model_formats.arithmetic), model_formats),
     }
 
 
@@ -251,15 +250,6 @@ def _about_status(model: ModelDescription, functions: Sequence[Function], is_fin
     if is_finite_assumed:
         text += " But the compiler may assume that no number is infinite or NaN, so the status may miss one."
     return text
-
-
-def _batch_stack(functions: Sequence[Function], simd: Simd | None, model_formats: Formats) -> int:
-    """Return the most KiB that a batch function keeps on the stack, with the widest vectors."""
-    if simd is None:
-        return 0
-    numbers = max((f.numbers for f in functions if f.has_batch and f.fits_simd), default=0)
-    copies = 2 if model_formats.is_mixed else 1
-    return -(-copies * numbers * simd.widths[-1] * simd.precision.bytes // 1024)
 
 
 def _wrapped(text: str) -> list[str]:

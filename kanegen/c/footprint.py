@@ -16,7 +16,6 @@ from kanegen.c.functions import Code, PrintedFunction
 from kanegen.c.interface import PREPARE, Footprint, Function, Loops
 from kanegen.c.steps import Rollout, composed
 from kanegen.c.target import RenderInput
-from kanegen.program.columns import VECTORS
 from kanegen.program.ir import Op, Program
 from kanegen.program.precision import DOUBLE_DOUBLE, Precision
 
@@ -56,9 +55,6 @@ _STATEMENT = 2
 _STEP_CODE, _ROLLOUT_CODE = 900, 300
 """Bytes of code of a function that makes a step, with its helpers, and of what makes many of it."""
 
-_TABLE = 2
-"""Bytes of an entry of the tables of loops."""
-
 _CODE = 48
 """Bytes of code of a function beside its statements."""
 
@@ -92,8 +88,7 @@ def _of_outputs(render_input: RenderInput, printed: PrintedFunction) -> Footprin
     values = max(code.part_locals) * (1 + temporaries)
     frames = 1 if len(parts) == 1 else 2
     below, optimised_below = _called(code, arithmetic)
-    columns = max((_columns(loops) for loops in function.loops), default=0) * size
-    tables = sum(_TABLE * loops.solution.table_entries for loops in function.loops)
+    columns = max(code.part_locals[len(parts) :], default=0) * size
     below, optimised_below = max(below, columns), max(optimised_below, columns)
     return Footprint(
         printed.name,
@@ -103,13 +98,15 @@ def _of_outputs(render_input: RenderInput, printed: PrintedFunction) -> Footprin
             + frames * _OPTIMISED_FRAME
             + optimised_below
         ),
-        _rounded(sum(map(_statements, parts)) * (_STATEMENT + size) + _CODE + tables),
+        _rounded(
+            (sum(map(_statements, parts)) + _looped_statements(function.loops)) * (_STATEMENT + size) + _CODE
+        ),
     )
 
 
-def _columns(loops: Loops) -> int:
-    """Return the numbers of the columns that loops compute at once."""
-    return loops.solution.rows * VECTORS
+def _looped_statements(every: Sequence[Loops]) -> int:
+    """Return the number of operations, and of elements that are read or stored, in the text of loops."""
+    return sum(3 * loops.solution.terms for loops in every)
 
 
 def _of_steps(

@@ -11,7 +11,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import usage
-from kanegen.c.columns import Sweeps, printed_columns
+from kanegen.c.columns import printed_columns
 from kanegen.c.declarations import (
     argument_list,
     batch_notes,
@@ -47,7 +47,7 @@ class Code:
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
         part_locals: Number of numbers that the locals of each part hold.
-        sweeps: Functions by which it solves for columns in loops, None without.
+        has_columns_in_lanes: Whether it solves for columns in SIMD lanes.
         takes_sines: Whether it computes a sine or a cosine by any function.
         elementary: Precision of the functions of a header `kanegen_elementary` that it calls, None without.
         before: Text of static functions that it calls, which stand before it.
@@ -63,7 +63,7 @@ class Code:
     elementary: Precision | None = None
     before: str = ""
     part_locals: tuple[int, ...] = ()
-    sweeps: Sweeps | None = None
+    has_columns_in_lanes: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,9 +109,10 @@ def printed_functions(render_input: RenderInput, target: Target) -> list[Printed
         formats = render_input.formats
         # `prepare` computes at least in double; its results are never rounded to the precision of storage.
         is_uniform = function.name != PREPARE or formats.every == (formats.preparing,)
-        has_simd = render_input.batches and function.fits_simd and formats.arithmetic in SIMD and is_uniform
+        batch, batch_parts = render_input.batch_programs[function.name]
+        has_simd = render_input.batches and batch.fits_simd and formats.arithmetic in SIMD and is_uniform
         one = scalar_code(render_input, target, function, parts)
-        several = _simd_code(render_input, name, function, parts) if has_simd else None
+        several = _simd_code(render_input, name, batch, batch_parts) if has_simd else None
         found.append(printed_function(render_input, function, one, several))
     return found
 
@@ -208,12 +209,12 @@ def code(
         part = _Part(f"{name}_{number}", program, dialect, function.shared)
         parts.append((part.prototype, [*one.lines, *_returned(one.status)]))
         calls += part.call()
-    sweeps = Sweeps(dialect) if function.loops else None
     solving = []
     for number, loops in enumerate(function.loops, start=1):
-        columns = printed_columns(f"{name}_columns_{number}", loops, Sweeps(dialect))
-        solving.append((columns.prototype, columns.body))
-        calls += _where_possible(columns.call, status if dialect.is_scalar else "")
+        for columns in printed_columns(f"{name}_columns_{number}", loops, dialect):
+            solving.append((columns.prototype, columns.body))
+            held = (*held, columns.numbers)
+            calls += _where_possible(columns.call, status if dialect.is_scalar else "")
     if flushes:
         calls.append("    restore_mode(before);")
     calls += ending(function, programs, dialect, status and "status", infinite)
@@ -227,7 +228,7 @@ def code(
         takes_sines,
         precision,
         part_locals=held,
-        sweeps=sweeps,
+        has_columns_in_lanes=bool(function.loops) and dialect.has_columns_in_lanes,
     )
 
 

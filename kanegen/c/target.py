@@ -22,6 +22,7 @@ from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.c.steps import Rollout, step_function
 from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
+from kanegen.program.expand import LONGEST_STRAIGHT, expanded_module, has_loops
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Module, Program
 from kanegen.program.precision import Precision
 from kanegen.program.split import select_functions
@@ -62,6 +63,19 @@ class RenderInput:
     def programs(self) -> dict[Function, tuple[Program, ...]]:
         """Every function that is printed, with its parts."""
         return signatures(self.selected, self.longest_part, self.parameters_by_state, self.batches)
+
+    @cached_property
+    def batch_programs(self) -> dict[str, tuple[Function, tuple[Program, ...]]]:
+        """Every function with its parts as the SIMD lanes of a batch compute it, by name.
+
+        Where the code for one state solves for columns in loops, that for several states is straight-line
+        code with the same operations, unless that would be too long.
+        """
+        programs = self.programs
+        if has_loops(self.selected):
+            module = expanded_module(self.selected, LONGEST_STRAIGHT)
+            programs = signatures(module, self.longest_part, self.parameters_by_state, self.batches)
+        return {function.name: (function, parts) for function, parts in programs.items()}
 
     @cached_property
     def steps(self) -> dict[str, Function]:
@@ -110,6 +124,17 @@ class RenderInput:
     def formats(self) -> Formats:
         """Precisions of arrays and arithmetic."""
         return formats(self.variant)
+
+    @property
+    def batch_stack(self) -> int:
+        """The most KiB that a batch function keeps on the stack, with the widest vectors."""
+        simd = self.simd
+        if simd is None:
+            return 0
+        functions = (*(function for function, _ in self.batch_programs.values()), *self.steps.values())
+        numbers = max((f.numbers for f in functions if f.has_batch and f.fits_simd), default=0)
+        copies = 2 if self.formats.is_mixed else 1
+        return -(-copies * numbers * simd.widths[-1] * simd.precision.bytes // 1024)
 
     @property
     def precision(self) -> Precision:

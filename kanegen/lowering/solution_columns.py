@@ -15,10 +15,16 @@ from kanegen.program.builder import Builder
 from kanegen.program.columns import ColumnSolution, column_solution
 from kanegen.program.constants import Constants
 from kanegen.program.elimination import Column, Elimination
+from kanegen.program.expand import straight_line, with_short_inverses
 from kanegen.program.ir import Array, Op, Output, Program
 from kanegen.program.tangent import Tangent, seeded_tangents
-from kanegen.recursion.derivative_costs import LOOPED
 from kanegen.recursion.solution_derivatives import SolutionRows
+
+LOOPED = 1_000
+"""Operations of all columns from which loops take the place of straight-line code."""
+
+SHORT = int(__import__("os").environ.get("SHORT", "12"))
+"""Most related rows of which [A]^-1 is straight-line code beside loops."""
 
 STATE = ("x", "y")
 """Arrays by which the part holds derivatives of what motion requires."""
@@ -77,18 +83,30 @@ class SolutionColumns:
             array: Its array.
             zero: The value of the number 0.
         """
-        base = self._part.renumbered(self._moved)
-        required, efforts = self._required(), self._tangents("efforts", self._columns.keys() - {"tau"})
-        plan = self._looped(required, _by_column(efforts))
-        if sum(plan.solution.operations.values()) >= LOOPED:
-            values = plan.elimination.values_of(plan.solution, plan.right, zero)
-            return replace(base, array=array, values=values, solution=plan.solution)
-        rows = self._rows(self._solved(required, efforts))
-        values = tuple(row.get(column, zero) for row in rows for column in range(array.row))
-        return replace(base, array=array, values=values)
+        plan = self._plan()
+        values = plan.elimination.values_of(plan.solution, plan.right, zero)
+        computed = plan.solution.elements()
+        others = [
+            row * array.row + column
+            for row in range(self._n)
+            for column in range(array.row)
+            if (row, column) not in computed
+        ]
+        output = replace(
+            self._part.renumbered(self._moved),
+            array=array,
+            values=(*values, *[zero] * len(others)),
+            places=tuple(others),
+            solution=plan.solution,
+        )
+        is_long = sum(plan.solution.operations.values()) >= LOOPED
+        if not is_long:
+            return straight_line(self._builder, output)
+        return with_short_inverses(self._builder, output, SHORT)
 
-    def _looped(self, required: Mapping[int, Column], efforts: Mapping[int, Column]) -> _Loops:
-        """Return the solution in loops, with entries of {ydot} mapped that are no free components."""
+    def _plan(self) -> _Loops:
+        """Return the solution of all columns, with entries of {ydot} mapped that are no free components."""
+        efforts = _by_column(self._tangents("efforts", self._columns.keys() - {"tau"}))
         mapped = [i for i in range(self._n) if not self._is_component(i)]
         place = {i: self._n + k for k, i in enumerate(mapped)}
         maps, added = self._map_of_components(), self._rates(self._columns.keys() - {"tau"}, {})
@@ -97,38 +115,19 @@ class SolutionColumns:
             elimination = elimination.with_map(i, {place.get(k, k): value for k, value in maps[i].items()})
         right = {
             column: {place.get(i, i): value for i, value in rows.items()}
-            for column, rows in self._right_sides(required, efforts).items()
+            for column, rows in self._right_sides(self._required(), efforts).items()
         }
         for i in mapped:
             for column, value in added[i].items():
                 right.setdefault(column, {})[i] = value
-        tau = self._columns.get("tau", slice(0, 0))
-        for column, effort in self._efforts_of(mapped).items():
-            right[column] = {place.get(i, i): self._builder.negate(v) for i, v in effort.items()}
-        solution = column_solution(elimination.carriers, right, tau, frozenset(mapped))
+        first_unit = self._columns["tau"].start if "tau" in self._columns else None
+        solution = column_solution(elimination.carriers, right, first_unit, frozenset(mapped))
         return _Loops(elimination, right, solution)
 
     def _map_of_components(self) -> list[Tangent]:
         """Return the derivatives of the entries of {ydot} by free components, by place of these in {y}."""
         one = self._builder.constant(self._constants.quotient(1, 1))
         return self._rates((), {i: {i: one} for i in range(self._n)})
-
-    def _efforts_of(self, places: Collection[int]) -> dict[int, Column]:
-        """Return the derivatives of efforts on components by entries of {tau}, by column."""
-        if "tau" not in self._columns:
-            return {}
-        first = self._columns["tau"].start
-        efforts = _by_column(self._tangents("efforts", ("tau",)))
-        return {column: effort for column, effort in efforts.items() if column - first in places}
-
-    def _rows(self, solved: dict[int, Column]) -> list[Tangent]:
-        """Return the derivatives of the entries of {ydot}, by column, from those of the components."""
-        if "tau" in self._columns:
-            solved |= self._solved_for_efforts()
-        rows = self._rates(self._columns, _transposed(solved))
-        if "tau" in self._columns:
-            self._fill_by_symmetry(rows)
-        return rows
 
     def _rates(self, by: Collection[str], components: Mapping[int, Tangent]) -> list[Tangent]:
         """Return the derivatives of the entries of {ydot}, by column, for those of the free components.
@@ -143,33 +142,6 @@ class SolutionColumns:
             if x.op is Op.INPUT and x.array == "ydot"
         }
         return self._tangents("rates", by, known)
-
-    def _solved_for_efforts(self) -> dict[int, Column]:
-        """Return the derivatives of the components by {tau}, by column.
-
-        Of the columns of efforts that are mapped to components, only the rows of such components are formed.
-        The others follow by symmetry.
-        """
-        inverse, found = self._elimination.inverse(), dict[int, Column]()
-        efforts, first = _by_column(self._tangents("efforts", ("tau",))), self._columns["tau"].start
-        mapped = {i for i in range(self._n) if not self._is_component(i)}
-        rows = sorted({i for column, effort in efforts.items() if column - first in mapped for i in effort})
-        for column, effort in efforts.items():
-            for i in rows if column - first in mapped else range(self._n):
-                for j, share in effort.items():
-                    if (i, j) in inverse:
-                        self._add(found, column, i, self._builder.multiply(share, inverse[i, j]))
-        return found
-
-    def _fill_by_symmetry(self, rows: Sequence[Tangent]) -> None:
-        """Fill the derivatives by {tau}, which are [A]^-1, where only the other half was formed."""
-        first = self._columns["tau"].start
-        for j in (j for j in range(self._n) if not self._is_component(j)):
-            for i in range(self._n):
-                if self._is_component(i) or i < j:
-                    rows[i].pop(first + j, None)
-                    if first + i in rows[j]:
-                        rows[i][first + j] = rows[j][first + i]
 
     def _is_component(self, i: int) -> bool:
         """Return whether an entry of {ydot} is a free component itself."""
@@ -250,17 +222,6 @@ class SolutionColumns:
         entries = found.setdefault(column, {})
         entries[row] = self._builder.add(entries[row], value) if row in entries else value
 
-    def _solved(self, required: Mapping[int, Column], efforts: Sequence[Tangent]) -> dict[int, Column]:
-        """Return the derivatives of the components by column, for those of what is required and efforts."""
-        by_column, found = _by_column(efforts), dict[int, Column]()
-        for column, right in self._right_sides(required, by_column).items():
-            if column in required:
-                solved = self._elimination.solve(right)
-                found[column] = {row: self._builder.negate(value) for row, value in solved.items()}
-            else:
-                found[column] = self._elimination.solve(by_column[column])
-        return found
-
     def _right_sides(
         self, required: Mapping[int, Column], efforts: Mapping[int, Column]
     ) -> dict[int, Column]:
@@ -303,13 +264,8 @@ class SolutionColumns:
 
 def _by_column(rows: Sequence[Tangent]) -> dict[int, Column]:
     """Return the entries of rows by column and row."""
-    return _transposed(dict(enumerate(rows)))
-
-
-def _transposed(entries: Mapping[int, Mapping[int, int]]) -> dict[int, dict[int, int]]:
-    """Return entries by the second of their places, then by the first."""
     found: dict[int, dict[int, int]] = {}
-    for i, row in entries.items():
+    for i, row in enumerate(rows):
         for column, value in row.items():
             found.setdefault(column, {})[i] = value
     return found

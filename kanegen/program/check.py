@@ -40,7 +40,7 @@ def check(program: Program) -> Program:
             names.add(x.name)
     for output in program.outputs:
         if output.solution is not None:
-            complete = len(output.values) == output.solution.number_of_values
+            complete = len(output.values) == output.solution.number_of_values + len(output.places or ())
             _require(complete, f"output {output.array.name!r}: wrong number of values for its solution")
             continue
         places = [place for place, _ in output.elements()]

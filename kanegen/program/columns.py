@@ -1,13 +1,15 @@
 """The plan of a solution in loops: [A]{z} + {b} = {0} for many columns {b} with one elimination of [A].
 
 As straight-line code such a solution has a statement for every pair of related rows and every column, which
-for forty freedoms is a megabyte of code. The plan is what loops need instead: for each row the rows that its
-elimination changes, and for columns whose elements are zero in the same rows, the rows that are visited. So
-zeros that are known when the code is generated are not computed.
+for forty freedoms is a megabyte of code. The plan is what loops need instead: for columns whose elements are
+zero in the same rows, the rows that are visited. So zeros that are known when the code is generated are not
+computed, and code has a statement for every pair of related rows of a group of columns.
 
-The factors are those of [A] = [L]^T [D] [L], from the outermost row inward. Columns of the solution with
-{b} = -{e}, where {e} is a column of the unit matrix, are columns of [A]^-1; of these, one of two elements
-that symmetry makes equal is computed, and the other is copied.
+The factors are those of [A] = [L]^T [D] [L], from the outermost row inward. Where the columns of a group are
+zero in all rows of a branch, the solution there is a linear function of that in rows further inward, whose
+coefficients, the gains, serve all such columns. Columns of the solution with {b} = -{e}, where {e} is a
+column of the unit matrix, are columns of [A]^-1. These are found row by row, outward: a row of [A]^-1 is a
+sum of products of factors with rows further inward, and half of it is known by symmetry.
 
 Some rows of the result may be mapped: each is its own element of {b} less products of its factors with
 components, rows of [A] that are no rows of the result.
@@ -18,16 +20,30 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
-LANES = 2
-"""Columns in a vector, for the decision which groups to join: those of the narrowest vectors of doubles."""
+WIDEST = 8
+"""Lanes of the widest vectors of columns: so many numbers may be read from the first of a vector on."""
 
-VECTORS = 4
-"""Most vectors of columns that are computed at once, so that one sum need not wait for another."""
+USUAL = 4
+"""Lanes of a vector of columns, for the decision which groups to join."""
 
-LATENCY = 2.5
-"""Vectors of columns below which a step takes no less time, because each sum waits for the one before it."""
+JOINED_ROWS = 2
+"""Most rows in which a column is zero and is joined to columns that are not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """How the solution in a row follows from that in rows further inward, where {b} is zero from there on.
+
+    Attributes:
+        row: The row.
+        known: Rows inward of it in which {b} may differ from zero.
+        carriers: Rows whose products with coefficients are subtracted.
+    """
+
+    row: int
+    known: tuple[int, ...]
+    carriers: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,43 +52,43 @@ class ColumnGroup:
 
     Attributes:
         columns: The columns, in increasing order.
-        given: Rows of {b}, or of what is added to mapped rows, that are computed; () for columns of [A]^-1,
-            where {b} is minus a unit column.
+        given: Rows of {b}, or of what is added to mapped rows, that are computed.
         reduced: Rows that may differ from zero on the way inward, in the order of elimination.
         solved: Rows of {z} that are computed, in the order outward.
+        sums: For each of them the number of the sum, `ColumnSolution.sums`, that is subtracted from its row.
     """
 
     columns: tuple[int, ...]
     given: tuple[int, ...]
     reduced: tuple[int, ...]
     solved: tuple[int, ...]
-
-    @property
-    def is_of_inverse(self) -> bool:
-        """Whether the solutions are columns of [A]^-1."""
-        return not self.given
+    sums: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class ColumnSolution:
     """The plan of the solution of [A]{z} + {b} = {0} for many columns.
 
-    The values that it needs are, in this order: the factors, row by row; -1 over the pivot of each row; and
-    the elements of {b}, group by group, of each group row by row.
+    The values that it needs are, in this order: the factors of each sum; -1 over the pivot of each row; the
+    elements of {b}, group by group, of each group row by row; and zeros, that vectors may reach beyond.
 
     Attributes:
         order: The rows in the order of elimination; a mapped row comes before its components.
         carriers: For each row the rows that its elimination changes, in the order in which it changes them;
             for a mapped row the components that it maps.
-        groups: Groups of columns; all elements of columns in no group, and of rows that are not solved, are 0
-            unless they are mirrored.
+        gains: Further sums.
+        groups: Groups of columns.
+        inverses: Rows of [A]^-1 and mapped rows, outward, of each tree of related rows; () for no columns of
+            [A]^-1.
         mapped: The mapped rows.
         first_unit: Column of the solution for minus the unit column of row 0, if there are such columns.
     """
 
     order: tuple[int, ...]
     carriers: tuple[tuple[int, ...], ...]
+    gains: tuple[Gain, ...]
     groups: tuple[ColumnGroup, ...]
+    inverses: tuple[tuple[int, ...], ...] = ()
     mapped: frozenset[int] = frozenset()
     first_unit: int = 0
 
@@ -86,64 +102,77 @@ class ColumnSolution:
         """Number of rows of the result; those behind them are components."""
         return self.rows - len(self.mapped)
 
-    @property
-    def outward(self) -> tuple[int, ...]:
-        """The rows with unit columns, outward: all of the result but mapped ones."""
-        return tuple(row for row in reversed(self.order) if row < self.stored and row not in self.mapped)
+    @cached_property
+    def sums(self) -> tuple[tuple[int, ...], ...]:
+        """The rows of each sum of products: those of a row of [L], by row, then those of a gain."""
+        return (*self.carriers, *(gain.carriers for gain in self.gains))
+
+    @cached_property
+    def first_factors(self) -> tuple[int, ...]:
+        """The place of the first factor of each sum among all factors, and the number of factors."""
+        places = [0]
+        for carriers in self.sums:
+            places.append(places[-1] + len(carriers))
+        return tuple(places)
 
     @property
     def number_of_factors(self) -> int:
-        """Number of elements of [L] below the diagonal that differ from zero."""
-        return sum(map(len, self.carriers))
+        """Number of factors of all sums."""
+        return self.first_factors[-1]
 
     @property
     def number_of_values(self) -> int:
         """Number of values that the solution needs."""
         given = sum(len(group.given) * len(group.columns) for group in self.groups)
-        return self.number_of_factors + self.rows + given
+        return self.number_of_factors + self.rows + given + WIDEST - 1
 
     @property
-    def table_entries(self) -> int:
-        """Number of entries of the tables of rows and columns that stand in the code."""
-        lists = ((*g.columns, *g.given, *g.reduced, *g.solved) for g in self.groups)
-        lengths = sum(4 + len(one) for one in lists)
-        return self.number_of_factors + 3 * self.rows + lengths + len(self.mirrored)
-
-    @cached_property
-    def mirrored(self) -> tuple[tuple[int, int], ...]:
-        """Rows (i, j) of [A]^-1: element (i, j) is copied from (j, i), which is computed."""
-        outward = self.outward
-        computed = [(group.columns, frozenset(group.solved)) for group in self.groups if group.is_of_inverse]
-        solved = {column - self.first_unit: rows for columns, rows in computed for column in columns}
-        found = []
-        for place, i in enumerate(outward):
-            found += (
-                [(i, j) for j in outward[:place] if i not in solved[j] and j in solved[i]] if solved else []
-            )
-        return tuple(found)
-
-    @property
-    def products(self) -> int:
-        """Number of multiplications of one evaluation."""
-        return self._sums + sum(len(group.columns) * len(group.reduced) for group in self.groups)
-
-    @property
-    def _sums(self) -> int:
-        return sum(
-            len(group.columns) * sum(len(self.carriers[k]) for k in (*group.reduced, *group.solved))
+    def terms(self) -> int:
+        """Number of values that the text of the loops reads: factors, pivots and elements of {b}."""
+        groups = sum(
+            len(group.given)
+            + sum(1 + len(self.carriers[row]) for row in group.reduced)
+            + sum(len(self.sums[number]) for number in group.sums)
             for group in self.groups
         )
+        return groups + sum(1 + 2 * len(self.carriers[row]) for tree in self.inverses for row in tree)
+
+    def elements(self) -> set[tuple[int, int]]:
+        """Return row and column of every element of the result that is computed."""
+        found = {(row, column) for group in self.groups for column in group.columns for row in group.solved}
+        for tree in self.inverses:
+            found.update((i, self.first_unit + j) for i in tree for j in tree if j < self.stored)
+        return {(row, column) for row, column in found if row < self.stored}
 
     @property
     def operations(self) -> dict[str, int]:
-        """Operations of one evaluation by kind, as `count` has them: what the loops execute for a column."""
-        return {"add": self._sums, "multiply": self.products}
+        """Operations of one evaluation by kind, as `count` has them."""
+        add = multiply = 0
+        for group in self.groups:
+            width, products = len(group.columns), len(group.reduced)
+            known = set(group.given)
+            for k in group.reduced:
+                add += width * sum(i in known for i in self.carriers[k])
+                products += len(self.carriers[k])
+                known.update(self.carriers[k])
+            for row, one in zip(group.solved, group.sums, strict=True):
+                terms = sum(i in known for i in self.sums[one])
+                products += terms
+                add += width * (terms - (row not in known))
+                known.add(row)
+            multiply += width * products
+        for tree in self.inverses:
+            for place, row in enumerate(tree):
+                terms = len(self.carriers[row])
+                multiply += terms * (place + 1)
+                add += max(terms - 1, 0) * place + (terms if row not in self.mapped else max(terms - 1, 0))
+        return {"add": add, "multiply": multiply}
 
 
 def column_solution(
     carriers: Mapping[int, Sequence[int]],
     given: Mapping[int, Iterable[int]],
-    unit_columns: slice = slice(0, 0),
+    first_unit: int | None = None,
     mapped: frozenset[int] = frozenset(),
 ) -> ColumnSolution:
     """Return the plan of a solution.
@@ -151,33 +180,98 @@ def column_solution(
     Args:
         carriers: Rows that the elimination of each row changes, by row, in the order of elimination.
         given: Rows of {b} that differ from zero, by column; a column without any is left out.
-        unit_columns: Columns of [A]^-1, as many as rows of the result; () for none. Those of mapped rows are
-            among `given`.
+        first_unit: Column of the solution for minus the unit column of row 0; None for no columns of [A]^-1.
         mapped: The mapped rows; the last rows, as many, are components.
     """
     order = tuple(carriers)
     lists = tuple(tuple(carriers[row]) for row in range(len(order)))
-    by_rows: dict[tuple[tuple[int, ...], tuple[int, ...]], list[int]] = {}
-    for column in sorted(given):
-        reduced = _reduced(order, lists, [row for row in given[column] if row not in mapped])
-        added = tuple(row for row in sorted(given[column]) if row in mapped)
-        if reduced or added:
-            by_rows.setdefault((reduced, added), []).append(column)
+    rows_of = {column: frozenset(rows) for column, rows in given.items() if rows}
+    inverses: list[tuple[int, ...]] = []
+    for tree in _trees(order, lists) if first_unit is not None else ():
+        if _is_dense(tree, lists):
+            inverses.append(tree)
+        else:
+            stored = len(order) - len(mapped)
+            rows_of |= {(first_unit or 0) + row: frozenset({row}) for row in tree if row < stored}
+    by_rows: dict[_Support, list[int]] = {}
+    for column in sorted(rows_of):
+        reduced = _reduced(order, lists, rows_of[column] - mapped)
+        by_rows.setdefault(_Support(reduced, rows_of[column] & mapped), []).append(column)
+    sums = _Sums(order, lists)
     groups = []
-    for (reduced, added), columns in by_rows.items():
-        rows = tuple(sorted({row for column in columns for row in given[column]}))
-        solved = _solved(order, lists, (*reduced, *added))
-        groups.append(ColumnGroup(tuple(columns), rows, reduced, solved))
-    units = []
-    with_units = [row for row in order if row < len(order) - len(mapped) and row not in mapped]
-    for row in with_units if unit_columns.stop > unit_columns.start else ():
-        reduced = _reduced(order, lists, [row])
-        needed = _solved(order, lists, reduced)
-        wanted = _with_inward(lists, (*needed[: needed.index(row) + 1], *mapped.intersection(needed)))
-        solved = tuple(one for one in needed if one in wanted)
-        units.append(ColumnGroup((unit_columns.start + row,), (), reduced, solved))
-    joined = (*_joined(groups, order, lists), *_joined(units, order, lists))
-    return ColumnSolution(order, lists, joined, mapped, unit_columns.start)
+    for support, columns in _joined(by_rows):
+        rows = sorted(set().union(*(rows_of[column] for column in columns)))
+        solved = sums.solved(support)
+        groups.append(
+            ColumnGroup(tuple(columns), tuple(rows), support.reduced, tuple(solved), tuple(solved.values()))
+        )
+    return ColumnSolution(
+        order, lists, tuple(sums.gains), tuple(groups), tuple(inverses), mapped, first_unit or 0
+    )
+
+
+@dataclass(frozen=True)
+class _Support:
+    """Where a column may differ from zero.
+
+    Attributes:
+        reduced: Rows that may on the way inward, in the order of elimination.
+        added: Mapped rows to which something is added.
+    """
+
+    reduced: tuple[int, ...]
+    added: frozenset[int]
+
+    @property
+    def rows(self) -> frozenset[int]:
+        """All of these rows."""
+        return self.added.union(self.reduced)
+
+
+class _Sums:
+    """The sums of products by which rows of a solution follow from rows further inward.
+
+    Args:
+        order: The rows in the order of elimination.
+        carriers: For each row the rows that its elimination changes.
+    """
+
+    def __init__(self, order: Sequence[int], carriers: Sequence[Sequence[int]]) -> None:
+        self._order, self._carriers = order, carriers
+        self._inward: dict[int, frozenset[int]] = {}
+        for row in reversed(order):
+            self._inward[row] = frozenset(carriers[row]).union(*(self._inward[i] for i in carriers[row]))
+        self._numbers: dict[tuple[int, tuple[int, ...]], int] = {}
+        self.gains: list[Gain] = []
+
+    def solved(self, support: _Support) -> dict[int, int]:
+        """Return the rows of the solution that may differ from zero, outward, and the number of their sum."""
+        found: dict[int, int] = {}
+        for row in reversed(self._order):
+            if row in support.rows:
+                found[row] = row
+            elif known := self._inward[row] & support.rows:
+                found[row] = self._gain(row, tuple(sorted(known)))
+        return found
+
+    def _gain(self, row: int, known: tuple[int, ...]) -> int:
+        """Return the number of the sum of a row that is zero by itself, as all others inward but `known`."""
+        carriers = self._carriers[row]
+        if all(i in known for i in carriers):
+            return row
+        if (row, known) not in self._numbers:
+            self._numbers[row, known] = len(self._order) + len(self.gains)
+            self.gains.append(Gain(row, known, tuple(self._gain_rows(row, known))))
+        return self._numbers[row, known]
+
+    def _gain_rows(self, row: int, known: Iterable[int]) -> dict[int, None]:
+        """Return the rows whose products a gain sums, in the order in which they enter it."""
+        inward = self._inward[row].intersection(known)
+        found = dict.fromkeys(i for i in self._carriers[row] if i in inward)
+        for between in self._carriers[row]:
+            if between not in inward:
+                found |= self._gain_rows(between, inward)
+        return found
 
 
 def _reduced(
@@ -191,75 +285,43 @@ def _reduced(
     return tuple(row for row in order if row in found)
 
 
-def _solved(
-    order: Sequence[int], carriers: Sequence[Sequence[int]], reduced: Sequence[int]
-) -> tuple[int, ...]:
-    """Return the rows of the solution that differ from zero, in the order outward.
+def _joined(by_rows: Mapping[_Support, Sequence[int]]) -> list[tuple[_Support, list[int]]]:
+    """Return the groups of columns, small ones joined to others that differ from zero in little more.
 
-    Args:
-        order: The rows in the order of elimination.
-        carriers: For each row the rows that its elimination changes.
-        reduced: Rows that differ from zero on the way inward, and mapped rows to which something is added.
+    A column is joined where it finds room in a vector that would not be full without it.
     """
-    found: dict[int, None] = {}
-    given = frozenset(reduced)
+    found = [(support, list(columns)) for support, columns in by_rows.items()]
+    for support, columns in sorted(found, key=lambda one: (len(one[1]), one[0].reduced)):
+        for other, taken in found:
+            further = other.rows - support.rows
+            has_room = -len(taken) % USUAL >= len(columns)
+            if taken and further and support.rows < other.rows and len(further) <= JOINED_ROWS and has_room:
+                taken.extend(columns)
+                columns.clear()
+                break
+    return [(support, sorted(columns)) for support, columns in found if columns]
+
+
+def _trees(order: Sequence[int], carriers: Sequence[Sequence[int]]) -> list[tuple[int, ...]]:
+    """Return the trees of rows that are related, each outward."""
+    tree_of: dict[int, list[int]] = {}
     for row in reversed(order):
-        if row in given or any(other in found for other in carriers[row]):
-            found[row] = None
-    return tuple(found)
+        found = dict.fromkeys(id(tree_of[i]) for i in carriers[row])
+        related = [tree_of[i] for i in carriers[row] if found.pop(id(tree_of[i]), 0) is None]
+        joined = [*(one for tree in related for one in tree), row]
+        tree_of |= dict.fromkeys(joined, joined)
+    places = {row: place for place, row in enumerate(reversed(order))}
+    trees = {id(tree): tree for tree in tree_of.values()}.values()
+    return [tuple(sorted(tree, key=places.__getitem__)) for tree in trees]
 
 
-def _with_inward(carriers: Sequence[Sequence[int]], rows: Iterable[int]) -> set[int]:
-    """Return rows of a solution with all further inward from which they are computed."""
-    found: set[int] = set()
-    left = list(rows)
-    while left:
-        row = left.pop()
-        if row not in found:
-            found.add(row)
-            left += carriers[row]
-    return found
-
-
-def _joined(
-    groups: Iterable[ColumnGroup], order: Sequence[int], carriers: Sequence[Sequence[int]]
-) -> list[ColumnGroup]:
-    """Return groups of which neighbours are joined, as long as the loops become faster.
-
-    Neighbours have their outermost rows next to each other in the order of elimination.
-
-    Args:
-        groups: The groups.
-        order: The rows in the order of elimination.
-        carriers: For each row the rows that its elimination changes.
-    """
-    places = {row: place for place, row in enumerate(order)}
-    found = sorted(
-        groups, key=lambda group: (places[(group.reduced or group.solved)[0]], -len(group.reduced))
-    )
-
-    def time(group: ColumnGroup) -> float:
-        steps = sum(1 + len(carriers[row]) for row in (*group.reduced, *group.solved))
-        full, rest = divmod(-(-len(group.columns) // LANES), VECTORS)
-        return steps * (full * VECTORS + (max(rest, LATENCY) if rest else 0.0))
-
-    def gained(one: ColumnGroup, other: ColumnGroup) -> float:
-        return time(one) + time(other) - time(_union(one, other, places))
-
-    gains = [gained(*pair) for pair in pairwise(found)]
-    while gains and max(gains) > 0.0:
-        k = gains.index(max(gains))
-        found[k : k + 2] = [_union(found[k], found[k + 1], places)]
-        first, last = max(k - 1, 0), min(k + 2, len(found))
-        gains[first : k + 2] = [gained(*pair) for pair in pairwise(found[first:last])]
-    return found
-
-
-def _union(one: ColumnGroup, other: ColumnGroup, places: Mapping[int, int]) -> ColumnGroup:
-    """Return the group of the columns of two groups; `places` are those of rows in the elimination."""
-    return ColumnGroup(
-        tuple(sorted((*one.columns, *other.columns))),
-        tuple(sorted({*one.given, *other.given})),
-        tuple(sorted({*one.reduced, *other.reduced}, key=places.__getitem__)),
-        tuple(sorted({*one.solved, *other.solved}, key=places.__getitem__, reverse=True)),
-    )
+def _is_dense(tree: Sequence[int], carriers: Sequence[Sequence[int]]) -> bool:
+    """Return whether no element of [A]^-1 in the rows of a tree, outward, is zero by structure."""
+    known: dict[int, set[int]] = {}
+    for place, row in enumerate(tree):
+        known[row] = {row}.union(*(known[i] for i in carriers[row]))
+        if len(known[row]) <= place:
+            return False
+        for other in tree[:place]:
+            known[other].add(row)
+    return True

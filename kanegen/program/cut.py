@@ -48,7 +48,12 @@ def cut(program: Program, longest: int = LONGEST_PART) -> tuple[Program, ...]:
 
 def values_of_loops(program: Program) -> tuple[int, ...]:
     """Return the values from which loops compute outputs; they come first in the workspace."""
-    return tuple(value for output in program.outputs if output.solution for value in output.values)
+    return tuple(
+        value
+        for output in program.outputs
+        if output.solution
+        for value in output.values[: output.solution.number_of_values]
+    )
 
 
 def workspace_size(parts: Sequence[Program]) -> int:

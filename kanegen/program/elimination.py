@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 from kanegen.program.builder import Builder
-from kanegen.program.columns import ColumnSolution
+from kanegen.program.columns import WIDEST, ColumnSolution
 
 Column = dict[int, int]
 """Numbers of the values of a column by row; rows with a zero are absent."""
@@ -98,18 +98,28 @@ class Elimination:
 
         Args:
             solution: The plan of the loops, with `carriers`.
-            right: Elements of {b} that are not zero, by row, by column.
+            right: Elements of {b} that are not zero, by row, by column; columns of the plan that are not
+                among them are minus unit columns.
             zero: The value of the number 0.
         """
         factors = [self._factors[k][i] for k, rows in enumerate(solution.carriers) for i in rows]
+        for gain in solution.gains:
+            coefficients = self._gain(gain.row, gain.known)
+            factors += [coefficients[i] for i in gain.carriers]
         inverses = [self._builder.negate(self._inverses[k]) for k in range(solution.rows)]
+        unit_columns = {
+            column: {column - solution.first_unit: self._builder.constant(-1.0)}
+            for group in solution.groups
+            for column in group.columns
+            if column not in right
+        }
         given = [
-            right[column].get(row, zero)
+            (right.get(column) or unit_columns[column]).get(row, zero)
             for group in solution.groups
             for row in group.given
             for column in group.columns
         ]
-        return (*factors, *inverses, *given)
+        return (*factors, *inverses, *given, *[zero] * (WIDEST - 1))
 
     def solve(self, right: Column) -> Column:
         """Return the solution {z} for the right side {b}."""

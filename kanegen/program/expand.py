@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from math import inf
 
+from kanegen.program.arrange import arrange
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.columns import ColumnGroup, ColumnSolution
+from kanegen.program.count import count
 from kanegen.program.ir import Module, Output, Program
+
+LONGEST_STRAIGHT = 60_000
+"""Operations of a program from which loops also compute SIMD lanes: straight-line code of this length no
+longer fits into caches of instructions."""
 
 
 def expanded(program: Program) -> Program:
     """Return the program with the loops of its outputs as straight-line code, in which they compute the same.
 
-    Every operation has the same operands in the same order, so that no bit of a result differs but the sign
-    of a zero: where a loop subtracts from zero, the sign of the other operand is changed.
+    Every operation has the same operands in the same order, so that no bit of a result differs.
     """
     if all(output.solution is None for output in program.outputs):
         return program
@@ -26,7 +32,7 @@ def expanded(program: Program) -> Program:
     outputs = []
     for output in program.outputs:
         same = output.renumbered(moved)
-        outputs.append(_solved(builder, same, output.solution) if output.solution else same)
+        outputs.append(straight_line(builder, same))
     return check(builder.program(outputs))
 
 
@@ -35,24 +41,59 @@ def has_loops(module: Module) -> bool:
     return any(one.solution for program in module.functions.values() for one in program.outputs)
 
 
-def expanded_module(module: Module) -> Module:
-    """Return a module whose programs have no loops."""
-    return replace(module, functions={name: expanded(one) for name, one in module.functions.items()})
+def expanded_module(module: Module, longest: float = inf) -> Module:
+    """Return a module whose programs have no loops, but for programs that would be too long.
+
+    Args:
+        module: The programs.
+        longest: Operations of a program from which its loops stay.
+    """
+    functions = {}
+    for name, program in module.functions.items():
+        has_any = any(one.solution for one in program.outputs)
+        stays = not has_any or sum(count(program).values()) >= longest
+        functions[name] = program if stays else arrange(expanded(program))
+    return replace(module, functions=functions)
 
 
-def _solved(builder: Builder, output: Output, solution: ColumnSolution) -> Output:
-    """Return an output whose loops become instructions of a builder."""
+def straight_line(builder: Builder, output: Output) -> Output:
+    """Return an output of a builder's program with its loops, if any, as instructions of the builder."""
+    solution = output.solution
+    if solution is None:
+        return output
     expansion = _Expansion(builder, solution, output.values)
     width = output.array.size // solution.stored
-    elements = [expansion.zero] * output.array.size
+    elements = dict(output.elements())
     for group, right in expansion.groups():
         for place, column in enumerate(group.columns):
             for row, value in expansion.column(group, place, right).items():
-                if row < solution.stored:
-                    elements[width * row + column] = value
-    for i, j in solution.mirrored:
-        elements[width * i + solution.first_unit + j] = elements[width * j + solution.first_unit + i]
-    return replace(output, values=tuple(elements), solution=None)
+                elements[width * row + column] = value
+    for tree in solution.inverses:
+        elements |= expansion.elements_of_inverse(tree, width)
+    values = tuple(elements[place] for place in range(output.array.size))
+    return replace(output, values=values, places=None, solution=None)
+
+
+def with_short_inverses(builder: Builder, output: Output, longest: int) -> Output:
+    """Return an output of a builder's program with parts of [A]^-1 that have few rows as instructions.
+
+    Args:
+        builder: The builder.
+        output: The output, which loops compute.
+        longest: Most rows of a part that becomes instructions.
+    """
+    solution = output.solution
+    if solution is None:
+        return output
+    short = [tree for tree in solution.inverses if len(tree) <= longest]
+    width, elements = output.array.size // solution.stored, dict(output.elements())
+    expansion = _Expansion(builder, solution, output.values)
+    for tree in short:
+        elements |= expansion.elements_of_inverse(tree, width)
+    left = tuple(tree for tree in solution.inverses if tree not in short)
+    places = tuple(sorted(elements))
+    values = (*output.values[: solution.number_of_values], *(elements[place] for place in places))
+    return replace(output, values=values, places=places, solution=replace(solution, inverses=left))
 
 
 class _Expansion:
@@ -66,10 +107,8 @@ class _Expansion:
 
     def __init__(self, builder: Builder, solution: ColumnSolution, values: Sequence[int]) -> None:
         self._builder, self._solution = builder, solution
-        self.zero = builder.constant(0.0)
-        self._minus_one = builder.constant(-1.0)
         rest = iter(values)
-        self._factors = [[(i, next(rest)) for i in carriers] for carriers in solution.carriers]
+        self._factors = [[(i, next(rest)) for i in carriers] for carriers in solution.sums]
         self._inverses = [next(rest) for _ in range(solution.rows)]
         self._right = list(rest)
 
@@ -82,7 +121,7 @@ class _Expansion:
             start = stop
 
     def column(self, group: ColumnGroup, place: int, right: Sequence[int]) -> dict[int, int]:
-        """Return the solution for one column of a group, by row.
+        """Return the solution for one column of a group, by row of the result.
 
         Args:
             group: The group.
@@ -91,18 +130,37 @@ class _Expansion:
         """
         make, count = self._builder, len(group.columns)
         z = {row: right[k * count + place] for k, row in enumerate(group.given)}
-        if group.is_of_inverse:
-            z = {group.columns[place] - self._solution.first_unit: self._minus_one}
         for k in group.reduced:
-            if k in z:
-                for i, factor in self._factors[k]:
-                    self._subtract(z, i, make.multiply(factor, z[k]))
-                z[k] = make.multiply(z[k], self._inverses[k])
-        for k in group.solved:
             for i, factor in self._factors[k]:
+                self._subtract(z, i, make.multiply(factor, z[k]))
+            z[k] = make.multiply(z[k], self._inverses[k])
+        for k, number in zip(group.solved, group.sums, strict=True):
+            for i, factor in self._factors[number]:
                 if i in z:
                     self._subtract(z, k, make.multiply(factor, z[i]))
-        return {row: z[row] for row in group.solved if row in z}
+        return {row: z[row] for row in group.solved if row < self._solution.stored}
+
+    def elements_of_inverse(self, tree: Sequence[int], width: int) -> dict[int, int]:
+        """Return the elements of the result, whose rows have this width, that are elements of [A]^-1."""
+        stored, first = self._solution.stored, self._solution.first_unit
+        return {
+            width * row + first + column: value
+            for (row, column), value in self._inverse(tree).items()
+            if row < stored and column < stored
+        }
+
+    def _inverse(self, tree: Sequence[int]) -> dict[tuple[int, int], int]:
+        """Return the elements of [A]^-1 and of mapped rows, by row and column, in the rows of a tree."""
+        found: dict[tuple[int, int], int] = {}
+        for place, k in enumerate(tree):
+            for j in (*tree[:place], k):
+                own: dict[int, int] = {}
+                if j == k and k not in self._solution.mapped:
+                    own[k] = self._builder.negate(self._inverses[k])
+                for i, factor in self._factors[k]:
+                    self._subtract(own, k, self._builder.multiply(factor, found[i, j]))
+                found[k, j] = found[j, k] = own[k]
+        return found
 
     def _subtract(self, z: dict[int, int], row: int, change: int) -> None:
         """Subtract a value from an element, which is zero where it is absent."""

@@ -240,7 +240,8 @@ class Output:
     def elements(self) -> Iterator[tuple[int, int]]:
         """Return the index of every element that a value fills, and the number of its value."""
         if self.solution is not None:
-            return iter(())
+            direct = self.values[self.solution.number_of_values :]
+            return zip(self.places or (), direct, strict=True)
         return zip(range(len(self.values)) if self.places is None else self.places, self.values, strict=True)
 
     def renumbered(self, moved: Mapping[int, int] | Sequence[int]) -> Output:

@@ -76,7 +76,7 @@ def refusal(source: Source) -> str:
             "the system has contacts that hold, but accelerations of an FMU are those without. Leave them "
             "out by System.with_contacts([])."
         )
-    if source.system is None or source.module is None:
+    if source.system is None or source.render_input is None:
         return "this source does not carry its system. Generate it anew with kg.generate."
     return ""
 
