@@ -23,7 +23,7 @@ from kanegen.recursion.solution_derivatives import SolutionRows
 LOOPED = 1_000
 """Operations of all columns from which loops take the place of straight-line code."""
 
-SHORT = int(__import__("os").environ.get("SHORT", "12"))
+SHORT = 12
 """Most related rows of which [A]^-1 is straight-line code beside loops."""
 
 STATE = ("x", "y")
