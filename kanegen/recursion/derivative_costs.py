@@ -17,8 +17,8 @@ from kanegen.model.system import System
 from kanegen.recursion.factorisation import carriers
 
 LOOPED = 120_000
-"""Operations of derivatives by articulated bodies, which are straight-line code, from which loops over columns
-stay shorter and are compiled in less time."""
+"""Operations of derivatives by articulated bodies, which are straight-line code, from which loops over
+columns stay shorter and are compiled in less time."""
 
 
 @dataclass(frozen=True)
