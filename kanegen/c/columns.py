@@ -16,7 +16,8 @@ from kanegen.c.dialect import Dialect
 from kanegen.c.expression import Expression, apply
 from kanegen.c.interface import Loops
 from kanegen.c.layout import BREAK, wrap
-from kanegen.program.columns import WIDEST, ColumnGroup
+from kanegen.c.simd import SIMD as VECTORS
+from kanegen.program.columns import ColumnGroup
 from kanegen.program.ir import WORKSPACE, Op
 
 
@@ -89,9 +90,14 @@ class _Writer:
         """Type in C of neighbouring columns."""
         return "simd" if self.is_in_lanes else self.dialect.number
 
+    @property
+    def lanes(self) -> int:
+        """The most columns that a vector holds, 1 where it is a number."""
+        return VECTORS[self.dialect.arithmetic].widths[-1] if self.is_in_lanes else 1
+
     def stride(self, width: int) -> int:
         """Return the numbers from one row of columns to the next, so that its last vector ends in it."""
-        return -(-width // WIDEST) * WIDEST if self.is_in_lanes else width
+        return -(-width // self.lanes) * self.lanes
 
     def loop(self, width: int, statements: Iterator[str]) -> list[str]:
         """Return the lines of a loop over columns."""
@@ -200,7 +206,7 @@ def _group(writer: _Writer, group: ColumnGroup, right: int) -> tuple[list[str], 
         *writer.loop(width, _solution(writer, group, right, places)),
         *writer.copies(rows, places, {column: k for k, column in enumerate(group.columns)}, stride),
     ]
-    return lines, size + WIDEST * writer.loops.solution.rows
+    return lines, size + writer.lanes * writer.loops.solution.rows
 
 
 def _solution(writer: _Writer, group: ColumnGroup, right: int, places: Mapping[int, int]) -> Iterator[str]:
@@ -257,7 +263,7 @@ def _inverse(writer: _Writer, tree: Sequence[int]) -> tuple[list[str], int]:
             ]
     rows = sorted(row for row in tree if row < solution.stored)
     columns = {solution.first_unit + row: places[row] for row in rows}
-    return [*lines, *writer.copies(rows, places, columns, stride)], len(tree) * stride + 2 * WIDEST
+    return [*lines, *writer.copies(rows, places, columns, stride)], len(tree) * stride + 2 * writer.lanes
 
 
 def _row_of_inverse(writer: _Writer, row: int, places: Mapping[int, int]) -> Iterator[str]:

@@ -21,8 +21,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-WIDEST = 8
-"""Lanes of the widest vectors of columns: so many numbers may be read from the first of a vector on."""
+WIDEST = 16
+"""Lanes of the widest vectors of columns, those of floats: so many numbers may be read from an element of {b}
+on."""
 
 USUAL = 4
 """Lanes of a vector of columns, for the decision which groups to join."""

@@ -12,6 +12,7 @@ from benchmarks import models
 from kanegen.c import target
 from kanegen.lowering import solution_columns
 from kanegen.options import Variant
+from kanegen.program.ir import PARAMETERS, PREPARED
 from kanegen.recursion.outputs import selection
 from tests.support import random_trees
 from tests.support.cases import slow_except
@@ -70,16 +71,16 @@ def test_loops_compute_what_straight_code_computes(
     """And the lanes of a batch have the bits of one state, signs of zeros too, whichever computes them."""
     monkeypatch.setattr(target, "LONGEST_STRAIGHT", longest)
     loops, straight = (built(system, monkeypatch, looped, variant) for looped in (0, 10**9))
-    assert "columns_1_1(" in loops.source.files[f"{system.name}.c"]
-    assert "columns_1_1(" not in straight.source.files[f"{system.name}.c"]
-    batch = loops.source.files.get(f"{system.name}_batch.c", "")
-    assert ("simd_columns_1_1(" in batch) == (longest == 0 and "simd" in batch)
+    code = "".join(loops.source.code.values())
+    assert f"{NAME}_columns_1_1(" in code
+    assert "columns_1_1(" not in "".join(straight.source.code.values())
+    assert (f"{NAME}_simd_columns_1_1(" in code) == (longest == 0 and f"{NAME}_simd(" in code)
     x, y, tau = np.random.default_rng(5).uniform(-1, 1, (3, STATES, loops.n))
     x[:4], y[2:6], tau[4:8] = 0.0, 0.0, 0.0
     many, wanted = (one.forward_dynamics_derivatives(x, y, tau) for one in (loops, straight))
     close(many, wanted, 1e-3 if variant.precision == "float" else 1e-12)
     one = np.array([loops.forward_dynamics_derivatives(*state) for state in zip(x, y, tau, strict=True)])
-    assert one.tobytes() == many.tobytes()
+    assert (one == many).all() and (np.signbit(one) == np.signbit(many)).all()
 
 
 @pytest.mark.slow
@@ -93,7 +94,8 @@ def test_random_trees(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     )
     read = {array.name: array for function in loops.source.functions for array in function.inputs}
     rng = np.random.default_rng(seed)
-    inputs = {name: rng.uniform(-1, 1, (3, *read[name].shape)) for name in read if name != "prepared"}
+    left_out = (PREPARED, PARAMETERS, "force", "torque", "point_force", "point_moment")
+    inputs = {name: rng.uniform(-1, 1, (3, *read[name].shape)) for name in read if name not in left_out}
     found, wanted = (one.forward_dynamics_derivatives(**inputs) for one in (loops, straight))
     close(found, wanted, 1e-11)
 
@@ -120,7 +122,7 @@ def test_where_the_solution_does_not_exist_all_elements_are_nan(
     assert (library.forward_dynamics_derivatives(x[1], np.ones(2)) == found[1]).all()
 
 
-@pytest.mark.parametrize("links", slow_except((8, 16, 32, 64), 8))
+@pytest.mark.parametrize("links", slow_except((8, 16, 24), 8))
 def test_code_is_linear_in_the_number_of_pairs_of_freedoms(
     links: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
