@@ -225,7 +225,7 @@ class _Support:
 
     @property
     def rows(self) -> frozenset[int]:
-        """All of these rows."""
+        """The rows in which the column may differ from zero."""
         return self.added.union(self.reduced)
 
 
