@@ -15,7 +15,7 @@ from itertools import pairwise
 from kanegen.c.dialect import Dialect
 from kanegen.c.expression import Expression, apply
 from kanegen.c.interface import Loops
-from kanegen.c.layout import BREAK, wrap
+from kanegen.c.layout import BREAK, comment, wrap
 from kanegen.c.simd import SIMD as VECTORS
 from kanegen.program.columns import ColumnGroup
 from kanegen.program.ir import WORKSPACE, Op
@@ -193,15 +193,20 @@ def _group(writer: _Writer, group: ColumnGroup, right: int) -> tuple[list[str], 
     stride = writer.stride(width)
     rows = sorted(row for row in group.solved if row < writer.loops.solution.stored)
     places = {row: place for place, row in enumerate(rows)}
+    number = f"{width} columns" if width > 1 else "a column"
+    lines = comment(
+        f"Solve [A]{{z}} + {{b}} = {{0}} for {number} {{z}} of {writer.loops.array.name}. {WORKSPACE} holds "
+        "the factors of [A] = [L]^T [D] [L], -1 over each pivot, and {b}."
+    )
     if not writer.is_in_lanes:
         table = ", ".join(map(str, group.columns))
-        lines = [
+        lines += [
             *wrap(f"static const unsigned short columns[{width}] ={BREAK}{{{table}}};"),
             *writer.loop(width, _solution(writer, group, right, places)),
         ]
         return lines, writer.loops.solution.rows
     size = len(rows) * stride
-    lines = [
+    lines += [
         f"    {writer.dialect.number} z[{size}];",
         *writer.loop(width, _solution(writer, group, right, places)),
         *writer.copies(rows, places, {column: k for k, column in enumerate(group.columns)}, stride),
@@ -249,7 +254,13 @@ def _inverse(writer: _Writer, tree: Sequence[int]) -> tuple[list[str], int]:
     solution, stride = writer.loops.solution, writer.stride(len(tree))
     places = {row: place for place, row in enumerate(tree)}
     zero = "{0}"
-    lines = [f"    {writer.dialect.number} z[{len(tree) * stride}] = {zero};"]
+    lines = [
+        *comment(
+            f"{len(tree)} related rows of [A]^-1, outward, for columns of {writer.loops.array.name}: sums of "
+            "products of factors with rows before, and by symmetry."
+        ),
+        f"    {writer.dialect.number} z[{len(tree) * stride}] = {zero};",
+    ]
     for place, row in enumerate(tree):
         if place:
             lines += writer.loop(place, _row_of_inverse(writer, row, places))
