@@ -192,8 +192,8 @@ def column_solution(
         if _is_dense(tree, lists):
             inverses.append(tree)
         else:
-            stored = len(order) - len(mapped)
-            rows_of |= {(first_unit or 0) + row: frozenset({row}) for row in tree if row < stored}
+            of_result = [row for row in tree if row < len(order) - len(mapped)]
+            rows_of |= {(first_unit or 0) + row: _unit_rows(row, lists, mapped) for row in of_result}
     by_rows: dict[_Support, list[int]] = {}
     for column in sorted(rows_of):
         reduced = _reduced(order, lists, rows_of[column] - mapped)
@@ -209,6 +209,15 @@ def column_solution(
     return ColumnSolution(
         order, lists, tuple(sums.gains), tuple(groups), tuple(inverses), mapped, first_unit or 0
     )
+
+
+def _unit_rows(row: int, carriers: Sequence[Sequence[int]], mapped: frozenset[int]) -> frozenset[int]:
+    """Return where {b} differs from zero for the column of [A]^-1, or of mapped rows, of a row of the result.
+
+    For a mapped row, {b} holds its factors in the rows of the components, since what maps components to a row
+    also maps a load on it to loads on the components.
+    """
+    return frozenset(carriers[row]) if row in mapped else frozenset({row})
 
 
 @dataclass(frozen=True)

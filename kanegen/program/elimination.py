@@ -108,7 +108,7 @@ class Elimination:
             factors += [coefficients[i] for i in gain.carriers]
         inverses = [self._builder.negate(self._inverses[k]) for k in range(solution.rows)]
         unit_columns = {
-            column: {column - solution.first_unit: self._builder.constant(-1.0)}
+            column: self._unit_column(column - solution.first_unit, solution)
             for group in solution.groups
             for column in group.columns
             if column not in right
@@ -120,6 +120,12 @@ class Elimination:
             for column in group.columns
         ]
         return (*factors, *inverses, *given, *[zero] * (WIDEST - 1))
+
+    def _unit_column(self, row: int, solution: ColumnSolution) -> Column:
+        """Return {b} for the column of [A]^-1, or of mapped rows, that belongs to a row of the result."""
+        if row in solution.mapped:
+            return self._factors[row]
+        return {row: self._builder.constant(-1.0)}
 
     def solve(self, right: Column) -> Column:
         """Return the solution {z} for the right side {b}."""
