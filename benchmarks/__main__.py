@@ -1,13 +1,13 @@
 """Times kanegen and its peers on the standard models; writes docs/benchmarks.md and the speeds in the README.
 
-python -m benchmarks [MODEL ...] [--quick] [--rounds R] [--seconds S] [--states B] [--folder FOLDER]
-python -m benchmarks --prepare [MODEL ...]
+python -m benchmarks [MODEL ...] [--peer NAME] [--quick] [--rounds R] [--seconds S] [--states B] [--folder F]
+python -m benchmarks --prepare [MODEL ...] [--peer NAME]
 python -m benchmarks --render
 
-Times are saved in benchmarks.json, from which everything else is made. With models by name, and with --quick,
-everything is written into build/benchmarks instead of docs. --prepare compiles all programs without timing
-them, so that a later run only measures; --render makes the page, the picture and the README of saved times
-anew.
+Times are saved in benchmarks.json, from which everything else is made. With models or peers by name, and
+with --quick, everything is written into build/benchmarks instead of docs. --prepare compiles all programs
+without timing them, so that a later run only measures; --render makes the page, the picture and the README of
+saved times anew.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ QUICK_PEERS = ("pinocchio", "casadi", "mujoco")
 def main() -> None:
     """Measure, or only compile or only render, as the command line asks."""
     arguments = _arguments()
-    is_part = arguments.models or arguments.quick
+    is_part = arguments.models or arguments.peers or arguments.quick
     folder = arguments.folder or (ROOT / "build" / "benchmarks" if is_part else ROOT / "docs")
     folder.mkdir(parents=True, exist_ok=True)
     saved = folder / "benchmarks.json"
@@ -51,9 +51,10 @@ def main() -> None:
         _render(read_record(saved), folder)
         return
     names = arguments.models or list(models.NAMES)
+    peers = arguments.peers or (QUICK_PEERS if arguments.quick else PEERS)
     if arguments.prepare:
         for name in names:
-            compare(models.system(name), BenchOptions(8, 0, 0.0), functools.partial(_say, name))
+            compare(models.system(name), BenchOptions(8, 0, 0.0), functools.partial(_say, name), peers)
         return
     options = _options(arguments)
     before = None if arguments.against is None else read_record(arguments.against)
@@ -62,7 +63,7 @@ def main() -> None:
             require_comparable(before, arguments.against, name, options.rounds)
     comparisons: list[Comparison] = []
     for name in names:
-        peers, cores = (QUICK_PEERS, 1) if arguments.quick else (PEERS, os.cpu_count() or 1)
+        cores = 1 if arguments.quick else os.cpu_count() or 1
         say = functools.partial(_say, name)
         comparisons.append(compare(models.system(name), options, say, peers, cores))
         print(section(comparisons[-1]), flush=True)
@@ -103,6 +104,14 @@ def _arguments() -> argparse.Namespace:
     """Return the options of the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("models", nargs="*", metavar="MODEL", help=f"among {', '.join(models.NAMES)}")
+    parser.add_argument(
+        "--peer",
+        action="append",
+        dest="peers",
+        choices=list(PEERS),
+        metavar="NAME",
+        help=f"time this peer (repeatable): {', '.join(PEERS)}; all by default",
+    )
     parser.add_argument(
         "--quick", action="store_true", help="few and short rounds beside some peers, on one core"
     )

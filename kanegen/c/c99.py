@@ -132,7 +132,7 @@ class C99:
             "functions": _without_parts(printed) if render_input.pieces else printed,
             "pieces": pieces,
             "batch_pieces": batch_pieces,
-            "has_parts": any(one.code.parts or one.code.columns for one in printed),
+            "has_parts": any(one.code.parts for one in printed),
             "rollouts": rollouts,
             "steps": [*steps, *rollouts],
             "nomenclature": nomenclature(printed, _text_of_steps(steps, rollouts)),

@@ -73,8 +73,9 @@ class _Writer:
         dialect, array = self.dialect, self.loops.array.name
         filled = dialect.argument(array, is_common=False, is_read=False)
         arguments = f"const {dialect.number} *{WORKSPACE},{BREAK}{filled}"
+        head = dialect.part(name, False, [WORKSPACE, array])
         return PrintedColumns(
-            prototype=wrap(f"static NOINLINE void {name}({arguments})", indent="", hanging="    "),
+            prototype=wrap(f"{head}({arguments})", indent="", hanging="    "),
             body=lines,
             call=wrap(f"{name}({WORKSPACE},{BREAK}{array});"),
             numbers=numbers,

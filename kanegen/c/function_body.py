@@ -106,20 +106,32 @@ class _Printer:
         if self._sincos:
             self._lines += self._sincos.lines(self._dialect.number)
         for i in self._live:
-            if i in self._names and self._instructions[i].array not in ("", *NEAR):
+            if self._is_read_first(i):
                 self._define(i)
+                self._test(i)
         next_ = 0
         for i in self._live:
             self._lines += self._dialect.before(next_, i)
             next_ = i + 1
             if i not in self._expressions:
                 self._define(i)
-            self._test(i)
+            if not self._is_read_first(i):
+                self._test(i)
             self._store(i)
         self._lines += self._dialect.before(next_, len(self._instructions))
         if self._may_fail:
             self._lines += self._dialect.closing(self._may_fail, bool(self._margins))
         return self._lines
+
+    def _is_read_first(self, i: int) -> bool:
+        """Return whether value i is read before all others: a named input, of long arrays one that is tested.
+
+        A constant that is not positive spoils all that is divided by it. Its test comes before those of other
+        values, so that the status names the freedom where this begins.
+        """
+        array = self._instructions[i].array
+        is_tested = array == PREPARED and i in self._conditions
+        return i in self._names and (array not in ("", *NEAR) or is_tested)
 
     def _mark_unused_inputs(self) -> None:
         read = {self._instructions[i].array for i in self._live}

@@ -41,8 +41,8 @@ class Code:
 
     Attributes:
         body: Lines between its braces.
-        parts: Lines of prototype and body of each function that it calls in turn.
-        columns: The same of each function that solves for columns in loops, called after the parts.
+        parts: Lines of prototype and body of each function that it calls in turn; those that solve for
+            columns in loops come last.
         vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
@@ -55,7 +55,6 @@ class Code:
 
     body: list[str]
     parts: tuple[Part, ...] = ()
-    columns: tuple[Part, ...] = ()
     vector_sincos: int = 0
     has_sines: bool = False
     locals: frozenset[str] = frozenset()
@@ -202,17 +201,16 @@ def code(
     status = bodies[-1].status
     if len(programs) == 1 and not flushes and not function.loops:
         lines = [*bodies[0].lines, *ending(function, programs, dialect, status, infinite)]
-        return Code(lines, (), (), most, has_sines, names, takes_sines, precision, part_locals=held)
+        return Code(lines, (), most, has_sines, names, takes_sines, precision, part_locals=held)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
     for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
         part = _Part(f"{name}_{number}", program, dialect, function.shared)
         parts.append((part.prototype, [*one.lines, *_returned(one.status)]))
         calls += part.call()
-    solving = []
     for number, loops in enumerate(function.loops, start=1):
         for columns in printed_columns(f"{name}_columns_{number}", loops, dialect):
-            solving.append((columns.prototype, columns.body))
+            parts.append((columns.prototype, columns.body))
             held = (*held, columns.numbers)
             calls += _where_possible(columns.call, status if dialect.is_scalar else "")
     if flushes:
@@ -221,7 +219,6 @@ def code(
     return Code(
         calls,
         tuple(parts),
-        tuple(solving),
         most,
         has_sines,
         names,

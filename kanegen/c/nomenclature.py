@@ -90,7 +90,7 @@ def nomenclature(functions: Collection[PrintedFunction], steps: str = "") -> Nom
 def _scalar_lines(function: PrintedFunction) -> Iterable[str]:
     """Yield the lines of all bodies of the form for one state."""
     yield from function.code.body
-    for _, body in (*function.code.parts, *function.code.columns):
+    for _, body in function.code.parts:
         yield from body
 
 

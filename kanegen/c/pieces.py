@@ -8,10 +8,9 @@ way, so that all results have the same bits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from kanegen.c.interface import Function
 from kanegen.program.ir import Program
 
 Part = tuple[list[str], list[str]]
@@ -45,13 +44,13 @@ class Pieces:
         return [prototype for piece in self.parts for prototype, _ in piece]
 
 
-def number_of_pieces(programs: Mapping[Function, Sequence[Program]]) -> int:
+def number_of_pieces(functions: Iterable[Sequence[Program]]) -> int:
     """Return the number of pieces of a file, 0 where it is too short to be divided.
 
     Args:
-        programs: The parts of every function; one that is not cut is its only part.
+        functions: The parts of every function; one that is not cut is its only part.
     """
-    cut = [part for parts in programs.values() if len(parts) > 1 for part in parts]
+    cut = [part for parts in functions if len(parts) > 1 for part in parts]
     number = min(sum(len(part.instructions) for part in cut) // LENGTH, MOST)
     return number if number > 1 else 0
 

@@ -117,8 +117,9 @@ class RenderInput:
 
     @cached_property
     def pieces(self) -> int:
-        """Number of pieces of a long file of C, 0 where it is too short to be divided."""
-        return number_of_pieces(self.programs)
+        """Number of pieces of each file of C, 0 where the longer one is too short to be divided."""
+        of_batches = [parts for _, parts in self.batch_programs.values()] if self.batches else []
+        return max(map(number_of_pieces, (self.programs.values(), of_batches)))
 
     @property
     def formats(self) -> Formats:

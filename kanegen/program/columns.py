@@ -314,14 +314,12 @@ def _joined(by_rows: Mapping[_Support, Sequence[int]]) -> list[tuple[_Support, l
 
 def _trees(order: Sequence[int], carriers: Sequence[Sequence[int]]) -> list[tuple[int, ...]]:
     """Return the trees of rows that are related, each outward."""
-    tree_of: dict[int, list[int]] = {}
+    trees: list[list[int]] = []
     for row in reversed(order):
-        found = dict.fromkeys(id(tree_of[i]) for i in carriers[row])
-        related = [tree_of[i] for i in carriers[row] if found.pop(id(tree_of[i]), 0) is None]
-        joined = [*(one for tree in related for one in tree), row]
-        tree_of |= dict.fromkeys(joined, joined)
+        related = [tree for tree in trees if not set(tree).isdisjoint(carriers[row])]
+        trees = [tree for tree in trees if tree not in related]
+        trees.append([*(one for tree in related for one in tree), row])
     places = {row: place for place, row in enumerate(reversed(order))}
-    trees = {id(tree): tree for tree in tree_of.values()}.values()
     return [tuple(sorted(tree, key=places.__getitem__)) for tree in trees]
 
 

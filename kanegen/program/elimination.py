@@ -142,21 +142,6 @@ class Elimination:
                 found[k] = value
         return found
 
-    def inverse(self) -> dict[tuple[int, int], int]:
-        """Return the entries of the inverse that are not zero by structure, equal values on both sides."""
-        found: dict[tuple[int, int], int] = {}
-        done: list[int] = []
-        for k, factors in reversed(list(self._factors.items())):
-            for j in (*done, k):
-                is_inward = j == k or j in self._inward[k]
-                row = factors if is_inward else self._gain(k, self._inward[j])
-                column = {i: found[i, j] for i in row if (i, j) in found}
-                value = self._less_products(self._inverses[k] if j == k else None, row, column)
-                if value is not None:
-                    found[k, j] = found[j, k] = value
-            done.append(k)
-        return found
-
     def _gain(self, k: int, known: Collection[int]) -> Column:
         """Return how the solution in a row depends on that in rows further inward, with its sign changed.
 

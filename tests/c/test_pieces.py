@@ -146,12 +146,11 @@ def program(instructions: int) -> Program:
 
 
 def test_only_long_files_are_divided() -> None:
-    (function, *_) = kg.generate(chain(2)).functions
     half = program(pieces.LENGTH)
-    assert number_of_pieces({function: (half, half)}) == 2
-    assert number_of_pieces({function: (half, program(pieces.LENGTH - 1))}) == 0
-    assert number_of_pieces({function: (program(100 * pieces.LENGTH),)}) == 0  # one part, which stays whole
-    assert number_of_pieces({function: (half,) * 100}) == pieces.MOST
+    assert number_of_pieces([(half, half)]) == 2
+    assert number_of_pieces([(half, program(pieces.LENGTH - 1))]) == 0
+    assert number_of_pieces([(program(100 * pieces.LENGTH),)]) == 0  # one part, which stays whole
+    assert number_of_pieces([(half,) * 100]) == pieces.MOST
 
 
 def test_pieces_are_as_long_as_each_other() -> None:

@@ -207,7 +207,7 @@ def test_statuses_have_the_words_of_the_library(browser: Any, pendulum: tuple[Pa
     library = load(source, on_status="ignore").with_parameters({"m2": 0.0}).with_on_status("warn")
     with pytest.raises(kg.KanegenError) as error:
         library.forward_dynamics([0.1, 0.2], [0, 0], [0, 0])
-    clause = "forward_dynamics: the pivot of [A] at freedom 'q1'"
+    clause = "forward_dynamics: the pivot of [A] at freedom 'q2'"
     assert singular[1].startswith(clause) and str(error.value).startswith(clause)
     assert singular[::2] == ["StatusError", "missing"] == again[::2]
     assert shape[:2] == ["RangeError", "forward_dynamics: x has 1 numbers instead of 2."]
@@ -290,7 +290,7 @@ def test_the_page_follows_its_fields(browser: Any, pendulum: tuple[Path, kg.Sour
     picture = "document.querySelector('canvas').getContext('2d').getImageData(60, 20, 200, 200).data"
     assert opened.page.evaluate(f"{picture}.some((n) => n)")
     opened.page.fill("input[name=parameters3]", "0")
-    assert "forward_dynamics: status 1" in opened.page.inner_text("#results")
+    assert "forward_dynamics: status 2" in opened.page.inner_text("#results")
     assert opened.messages == []
 
 
