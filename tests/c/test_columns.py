@@ -18,6 +18,7 @@ from tests.support import random_trees
 from tests.support.cases import slow_except
 from tests.support.floating_trees import floating
 from tests.support.orientation_trees import close
+from tests.support.paths import MODELS
 
 NAME = "forward_dynamics_derivatives"
 STATES = 21
@@ -134,20 +135,30 @@ def test_code_is_linear_in_the_number_of_pairs_of_freedoms(
     assert lines < 125 * links * (links + 1) / 2
 
 
-def test_trees_that_do_not_touch(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two arms on the ground, whose rows stand among each other in the order of elimination."""
-    free = np.eye(6, dtype=bool)[[0, 1, 2, 0, 1, 2]]
-    system = kg.System.from_arrays(
+def two_arms() -> kg.System:
+    """Return two arms on the ground, whose rows stand among each other in the order of elimination."""
+    return kg.System.from_arrays(
         connection=[0, 1, 2, 0, 4, 5],
         mass=np.ones(6),
         inertia=np.tile(np.diag([1.0, 1.2, 1.4]), (6, 1, 1)),
         mass_center=np.full((6, 3), 0.1),
         joint_position=np.full((6, 3), 0.3),
-        free=free,
+        free=np.eye(6, dtype=bool)[[0, 1, 2, 0, 1, 2]],
         name="two_arms",
     )
+
+
+@pytest.mark.parametrize("short", [0, 12], ids=["rows in loops", "rows as statements"])
+@pytest.mark.parametrize(
+    "system", [two_arms(), kg.load(MODELS / "free_body.toml")], ids=lambda system: system.name
+)
+def test_columns_of_efforts_are_those_of_the_inverse(
+    system: kg.System, short: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where elements vanish, between arms and between the components of one free body."""
     monkeypatch.setattr(solution_columns, "LOOPED", 0)
+    monkeypatch.setattr(solution_columns, "SHORT", short)
     library = kg.build(system, (NAME, "mass_matrix"), tier=Variant(machine="portable"))
-    x, y, tau = np.random.default_rng(2).uniform(-1, 1, (3, 6))
+    x, y, tau = np.random.default_rng(2).uniform(-1, 1, (3, library.n))
     found = library.forward_dynamics_derivatives(x, y, tau)[:, library.derivative_columns(NAME)["tau"]]
     close(found, np.linalg.inv(library.mass_matrix(x)), 1e-12)
