@@ -28,16 +28,17 @@ def check(program: Program) -> Program:
     for group in ([array.name for array in program.inputs], arrays):
         _require(len(group) == len(set(group)), f"array names are not unique: {group}")
     names: set[str] = set()
-    for i, x in enumerate(program.instructions):
-        operands = x.operands
-        is_known = not operands or (min(operands) >= 0 and max(operands) < i)
-        is_applied = is_known and len(operands) == ARITY[x.op]
-        is_finite = x.op is not Op.CONSTANT or math.isfinite(x.number)
-        is_read = x.op is not Op.INPUT or 0 <= x.index < sizes.get(x.array, 0)
-        if not (is_applied and is_finite and is_read) or x.name in names:
-            raise InvariantError(f"instruction {i} ({x.op}): {_defect(i, x, sizes)}")
-        if x.name:
-            names.add(x.name)
+    for i, (op, operands, number, array, index, name, _) in enumerate(program.instructions):
+        if operands:
+            is_right = len(operands) == ARITY[op] and min(operands) >= 0 and max(operands) < i
+        elif op is Op.INPUT:
+            is_right = 0 <= index < sizes.get(array, 0)
+        else:
+            is_right = op is Op.CONSTANT and math.isfinite(number)
+        if not is_right or name in names:
+            raise InvariantError(f"instruction {i} ({op}): {_defect(i, program.instructions[i], sizes)}")
+        if name:
+            names.add(name)
     for output in program.outputs:
         if output.solution is not None:
             complete = len(output.values) == output.solution.number_of_values + len(output.places or ())

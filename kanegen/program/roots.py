@@ -56,15 +56,18 @@ def kinks_of_roots(program: Program) -> dict[int, dict[int, tuple[int, ...]]]:
     0 in any case, and is absent, too.
     """
     instructions = program.instructions
+    if all(x.op is not Op.ABS for x in instructions):
+        return {}
     divisors = {x.operands[1] for x in instructions if x.op is Op.DIVIDE}
     magnitudes: dict[int, frozenset[int]] = {}
     found = {}
     for i, x in enumerate(instructions):
-        inner = frozenset[int]().union(*(magnitudes[j] for j in x.operands if j in magnitudes))
-        inner |= {i} if x.op is Op.ABS else frozenset()
+        inner = [magnitudes[j] for j in x.operands if j in magnitudes]
+        if x.op is Op.ABS:
+            inner.append(frozenset({i}))
         if not inner:
             continue
-        magnitudes[i] = inner
+        magnitudes[i] = frozenset[int]().union(*inner)
         if x.op is Op.SQRT and i not in divisors:
             factors = _factors(program, x.operands[0])
             found[i] = {j: tuple(sorted(magnitudes[j])) for j in factors if j in magnitudes}
