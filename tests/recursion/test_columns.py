@@ -17,6 +17,7 @@ from kanegen.recursion.fixed_frame_choice import FixedFrameChoice, bodies_that_s
 from kanegen.recursion.tree import Tree, tree
 from kanegen.reference import equations as reference
 from tests.support import systems
+from tests.support.cases import slow_among
 
 OUTPUTS = ("mass_matrix",)
 BINARY = (0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7)
@@ -96,7 +97,7 @@ def test_the_frame_of_a_column_does_not_matter(
     assert error(MODELS[name]()) <= 1e-14
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", slow_among(MODELS, "mixed 1"))
 def test_each_way_saves_operations_where_it_is_taken(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     system = MODELS[name]()
     chosen = choose(tree(system)).bodies

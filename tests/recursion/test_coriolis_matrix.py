@@ -54,7 +54,7 @@ def close(one: np.ndarray, other: np.ndarray, factor: float) -> None:
     assert np.abs(one - other).max() <= factor * max(np.abs(other).max(), 0.01)
 
 
-@pytest.mark.parametrize("seed", slow_except(range(40), *range(6)))
+@pytest.mark.parametrize("seed", slow_except(range(40), 0, 1, 3))
 def test_random_trees_of_all_kinds(seed: int) -> None:
     """Against the reference; [C]{y} is what motion causes, and [dA/dt] = [C] + [C]^T, which is skewness."""
     system = random_trees.everything(seed)
@@ -124,7 +124,7 @@ def test_a_free_body() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
-@pytest.mark.parametrize("name", FIXED_ROBOTS)
+@pytest.mark.parametrize("name", slow_except(FIXED_ROBOTS, "double_pendulum", "panda"))
 def test_robots_against_pinocchio(name: str) -> None:
     """With one freedom a joint Pinocchio computes the same matrix; batches, and single precision."""
     path = robot_file(name)

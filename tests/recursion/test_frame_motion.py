@@ -14,6 +14,7 @@ from kanegen.program.count import count
 from kanegen.recursion.outputs import MOTIONS_OF_FRAMES
 from kanegen.reference.frames import FrameMotions, frame_motions
 from tests.support import random_trees, systems
+from tests.support.cases import slow_except
 from tests.support.orientation_trees import ANGULAR_VELOCITY, KINDS, close, mixed, tree_of_kind, values
 from tests.support.paths import MODELS
 from tests.support.robots import robot_file
@@ -53,7 +54,7 @@ def test_the_outputs_about_frames() -> None:
     assert MOTIONS_OF_FRAMES == ALL
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "quaternions", "rates"))
 def test_the_equations_of_the_notes(kind: str) -> None:
     for seed in range(3):
         system = framed(tree_of_kind(kind, seed), seed)
@@ -65,7 +66,7 @@ def test_the_equations_of_the_notes(kind: str) -> None:
             close(together[name].reshape(right[name].shape), right[name])
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 2))
 def test_trees_with_everything(seed: int) -> None:
     """Frames in frames, frames of bodies for their users, and parameters in positions and angles."""
     system = random_trees.everything(seed, 3)

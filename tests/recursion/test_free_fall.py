@@ -84,7 +84,7 @@ def angular_error(system: kg.System, states: States, found: np.ndarray) -> float
 
 @pytest.mark.parametrize("steps", [0, 1])
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-1, 1e-9))
+@pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-9))
 def test_angular_accelerations_are_exact_next_to_gimbal_lock(scene: str, distance: float, steps: int) -> None:
     system = SCENES[scene]()
     states = near_lock(system, distance)

@@ -76,7 +76,7 @@ def test_trees_with_everything(seed: int) -> None:
         check(computed(system, way, states), a)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_except(range(6), *range(3)))
 @pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
 def test_trees_without_rotors(solver: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -185,7 +185,7 @@ def test_a_tree_without_an_inverse_is_refused() -> None:
 
 
 @pytest.mark.parametrize("solver", ["cheapest", "factorisation"])
-@pytest.mark.parametrize("together", [False, True])
+@pytest.mark.parametrize("together", slow_except((False, True), True))
 def test_no_large_error_is_silent(solver: str, together: bool) -> None:
     """A rod on light links, whose {ydot} is refined, while [A]^-1 beside it is not: it has a status."""
     system = rod_on_light_links()

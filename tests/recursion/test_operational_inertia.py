@@ -108,7 +108,7 @@ def test_half_of_these_trees_have_frames_that_move_in_six_directions() -> None:
     assert sum(bool(movable(random_trees.everything(seed, 3))) for seed in range(8)) >= 4
 
 
-@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1))
+@pytest.mark.parametrize("seed", slow_except(range(6), 1))
 def test_trees_that_articulated_bodies_take(seed: int) -> None:
     """Three angles, angular velocities, and free translations, solved for in the components of the body."""
     rng = np.random.default_rng(seed)

@@ -13,8 +13,9 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.library.native import commands, compilers
 from kanegen.program.count import count
-from kanegen.recursion.outputs import PRODUCTS, SECOND_DERIVATIVES, available
+from kanegen.recursion.outputs import DERIVATIVES, PRODUCTS, SECOND_DERIVATIVES, available
 from tests.support import moving_bodies, systems
+from tests.support.cases import slow_except
 from tests.support.moving_bodies import READS_SPEEDS
 from tests.support.paths import MODELS
 
@@ -69,14 +70,16 @@ def test_outputs_share_subexpressions() -> None:
 
 
 @pytest.mark.parametrize(
-    "seed", [pytest.param(0, marks=pytest.mark.slow), 1, pytest.param(2, marks=pytest.mark.slow)]
+    "left_out",
+    [(*DERIVATIVES, *PRODUCTS, *SECOND_DERIVATIVES), pytest.param((), marks=pytest.mark.slow)],
+    ids=["no derivatives", "every output"],
 )
-def test_a_function_costs_the_same_whatever_else_is_asked_for(seed: int) -> None:
+@pytest.mark.parametrize("seed", slow_except(range(3), 1))
+def test_a_function_costs_the_same_whatever_else_is_asked_for(seed: int, left_out: tuple[str, ...]) -> None:
     """The counts are equal for every output of a tree with points."""
     tree = system(seed)
-    names = [
-        name for name in available(tree) if name not in {"forward_dynamics", "error_estimate", "regularity"}
-    ]
+    without = {"forward_dynamics", "error_estimate", "regularity", *left_out}
+    names = [name for name in available(tree) if name not in without]
     every = compile_module(tree, names).module.functions
     for name in names:
         (alone,) = compile_module(tree, (name,)).module.functions.values()
@@ -102,8 +105,7 @@ def test_parameters_are_prepared_once_for_all() -> None:
 
 @pytest.fixture(scope="module")
 def library() -> kg.Library:
-    outputs = [name for name in available(system()) if name not in (*PRODUCTS, *SECOND_DERIVATIVES)]
-    return kg.build(system(), outputs, flags="-O0")
+    return kg.build(system(), ("mass_matrix", "forcing", "inverse_dynamics", *NEW))
 
 
 def test_one_state_and_many_in_c(library: kg.Library) -> None:

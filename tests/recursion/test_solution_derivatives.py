@@ -33,7 +33,7 @@ WITHIN = 1e-12
 
 
 @pytest.mark.parametrize("name", [NAME, "forward_dynamics_input_derivatives"])
-@pytest.mark.parametrize("kind", ["angles", "angular velocity", "quaternion"])
+@pytest.mark.parametrize("kind", slow_except(("angles", "angular velocity", "quaternion"), "quaternion"))
 @pytest.mark.parametrize("seed", slow_except(range(4), 1))
 def test_floating_bases(seed: int, kind: str, name: str) -> None:
     agree(floating(seed, kind), name, seed, WITHIN)
@@ -56,7 +56,7 @@ def test_random_trees_of_all_kinds(seed: int) -> None:
         agree(system, NAME, seed, WITHIN)
 
 
-@pytest.mark.parametrize("kind", ["slides and hinges", "rates"])
+@pytest.mark.parametrize("kind", slow_except(("slides and hinges", "rates"), "slides and hinges"))
 def test_prescribed_motion(kind: str) -> None:
     agree(prescribed_trees.tree(kind, 2), "forward_dynamics_input_derivatives", 2, WITHIN)
 
@@ -98,7 +98,7 @@ OPERATIONS = {
 """Additions, multiplications and divisions of all derivatives of {ydot}, by robot."""
 
 
-@pytest.mark.parametrize("name", slow_except(OPERATIONS, "ur5", "panda"))
+@pytest.mark.parametrize("name", slow_except(OPERATIONS, "ur5"))
 def test_operations(name: str) -> None:
     program = compile_module(models.system(name), (NAME,)).module.functions[NAME]
     counts = count(program)
