@@ -10,6 +10,7 @@ import pytest
 import kanegen as kg
 from kanegen.recursion.outputs import DERIVATIVES, available
 from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
+from tests.support.cases import slow_among
 from tests.support.handmade import bits, evaluate, module, source
 from tests.support.paths import GENERATED, MODELS
 
@@ -30,7 +31,9 @@ def variant(request):
 
 
 @pytest.mark.parametrize("compiler", C)
-@pytest.mark.parametrize("folder", GENERATED_FOLDERS, ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "folder", slow_among(GENERATED_FOLDERS, GENERATED / "eight_body"), ids=lambda path: path.name
+)
 def test_the_c_of_every_model_is_clean(compiler, folder, tmp_path):
     for file in (f"{folder.name}.c", f"{folder.name}_batch.c", "main.c"):
         command = (*C[compiler], "-std=c99", WARNING_LEVELS[compiler], *WARNINGS, "-c", file)
@@ -78,6 +81,7 @@ def _check_long_functions(outputs, precision, compiler, tmp_path):
         run(*C[compiler], "-std=c99", "-O0", *WARNINGS, "-c", file, folder=folder)
 
 
+@pytest.mark.slow
 def test_the_example_of_eight_body_runs_under_sanitizers(tmp_path):
     folder = GENERATED_FOLDERS[[path.name for path in GENERATED_FOLDERS].index("eight_body")]
     example = tmp_path / "example"

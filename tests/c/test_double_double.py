@@ -13,6 +13,7 @@ from kanegen.options import TIERS, Variant
 from kanegen.program.precision import DOUBLE_DOUBLE
 from kanegen.reference.states import random_states
 from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, run
+from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.handmade import bits, source
 from tests.support.paths import PENDULUM
@@ -41,7 +42,7 @@ def exact(values):
         return [mpmath.mpf(float(a)) + mpmath.mpf(float(b)) for a, b in np.reshape(values, (-1, 2))]
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", slow_except((1, 2), 2))
 def test_random_trees_have_thirty_digits(seed):
     """Errors stay below 1e-30 kappa_s: 2^-100, with room for the growth along the tree that the bound has."""
     system = tree(seed)
@@ -54,6 +55,7 @@ def test_random_trees_have_thirty_digits(seed):
         assert (measured.normwise > 0).any()
 
 
+@pytest.mark.slow
 def test_eight_bodies_have_thirty_digits():
     system = kg.load("models/eight_body.toml")
     library = kg.build(system, ("mass_matrix", "forcing"), flags=QUICK, tier=ALL_DOUBLE_DOUBLE)
@@ -62,7 +64,7 @@ def test_eight_bodies_have_thirty_digits():
         assert measured.normwise[0] <= 1e-30
 
 
-@pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.parametrize("seed", slow_except((1, 3), 3))
 def test_doubles_are_correctly_rounded(seed):
     """Results stored as doubles are the nearest doubles: off by half a unit in the last place."""
     system = tree(seed)

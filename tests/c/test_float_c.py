@@ -15,6 +15,7 @@ from kanegen.options import TIERS
 from kanegen.program.ir import Module
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
+from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.handmade import bits, description, evaluate, module, source
 from tests.support.paths import PENDULUM
@@ -44,7 +45,7 @@ def test_the_c_has_doubles_only_where_parameters_are_prepared():
 
 
 @pytest.mark.parametrize("compiler", C)
-@pytest.mark.parametrize("width", ["", "-DKANEGEN_LANES=1", "-DKANEGEN_LANES=16"])
+@pytest.mark.parametrize("width", slow_except(("", "-DKANEGEN_LANES=1", "-DKANEGEN_LANES=16"), ""))
 def test_c_is_clean_and_needs_only_libm(compiler, width, tmp_path):
     """No number becomes a double, in programs made by hand and in a tree with every output."""
     status = {"forward_dynamics": forward(), "inverse_dynamics": inverse()}
@@ -105,7 +106,11 @@ def test_the_example_by_cmake_and_under_sanitizers(tmp_path):
 
 
 @pytest.mark.parametrize("compiler", C.values(), ids=C)
-@pytest.mark.parametrize("flags", [FLAGS, ("-O3", "-ffp-contract=off", "-march=native")], ids=["O1", "O3"])
+@pytest.mark.parametrize(
+    "flags",
+    [pytest.param(FLAGS, marks=pytest.mark.slow), ("-O3", "-ffp-contract=off", "-march=native")],
+    ids=["O1", "O3"],
+)
 def test_every_width_and_compiler_gives_the_same_bits(compiler, flags, tmp_path, monkeypatch):
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
     x, y = np.random.default_rng(11).normal(size=(2, 37, 2)).astype(np.float32) * 3

@@ -9,6 +9,7 @@ import kanegen as kg
 from kanegen.errors import OptionError
 from kanegen.options import Variant
 from tests.support.c_compilers import WARNINGS, C, run
+from tests.support.cases import slow_except
 from tests.support.paths import MODELS
 from tests.support.systems import chain, eight_body
 
@@ -42,7 +43,7 @@ def test_subnormal_results_are_zero_and_the_thread_keeps_its_own(count):
     assert still_here()
 
 
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("precision", slow_except(("double", "float"), "double"))
 def test_other_numbers_have_the_same_bits(precision):
     system, rng = kg.load(MODELS / "six_revolute_arm.toml"), np.random.default_rng(0)
     x, y = rng.uniform(-1, 1, (2, 20, 6))

@@ -138,7 +138,11 @@ def test_results_that_storage_cannot_hold_are_refused():
 
 
 @pytest.mark.parametrize("compiler", C)
-@pytest.mark.parametrize("arithmetic", [DOUBLE, FLOAT, LONG_DOUBLE], ids=lambda precision: precision.name)
+@pytest.mark.parametrize(
+    "arithmetic",
+    slow_except((DOUBLE, FLOAT, LONG_DOUBLE), DOUBLE, FLOAT),
+    ids=lambda precision: precision.name,
+)
 def test_c_is_clean(compiler, arithmetic, tmp_path):
     storages = {"double", "float", "long double"} - {arithmetic.name}
     for storage in sorted(storages):
@@ -149,6 +153,7 @@ def test_c_is_clean(compiler, arithmetic, tmp_path):
         assert run("./example", folder=folder).count(" = ") == 2 + 2 * 6
 
 
+@pytest.mark.slow
 def test_long_functions_in_parts_are_clean(tmp_path):
     """Numbers that one part of a function leaves for the next are not rounded to the storage."""
     system = random_system(np.random.default_rng(7), 7, loads=True)

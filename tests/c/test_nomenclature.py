@@ -181,7 +181,7 @@ def test_names_of_couplings(solver, every):
     check(kg.generate(system, outputs if every else EQUATIONS, tier=Variant(solver=solver, refinement=1)))
 
 
-@pytest.mark.parametrize("refinement", [0, 1])
+@pytest.mark.parametrize("refinement", slow_except((0, 1), 1))
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_names_of_contacts(solver, refinement):
     """A floating body with a leg, held with its orientation, at a point, and in some directions."""

@@ -36,9 +36,9 @@ def same_bits_and_no_objection(system: kg.System, variant: kg.Variant, compiler:
 @pytest.mark.parametrize(
     ("angles", "precision", "width", "compiler"),
     [
-        (7, "double", 4, "gcc"),
+        pytest.param(7, "double", 4, "gcc", marks=pytest.mark.slow),
         (7, "float", 8, "gcc"),
-        (7, "float", 8, "clang"),
+        pytest.param(7, "float", 8, "clang", marks=pytest.mark.slow),
         (3, "double", 8, "gcc"),
         pytest.param(7, "double", 4, "clang", marks=pytest.mark.slow),
     ],

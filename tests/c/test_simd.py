@@ -127,7 +127,11 @@ def test_large_angles_harm_no_neighbour(width):
 
 
 @pytest.mark.parametrize("compiler", C.values(), ids=C)
-@pytest.mark.parametrize("flags", [FLAGS, ("-O3", "-ffp-contract=off", "-march=native")], ids=["O1", "O3"])
+@pytest.mark.parametrize(
+    "flags",
+    [pytest.param(FLAGS, marks=pytest.mark.slow), ("-O3", "-ffp-contract=off", "-march=native")],
+    ids=["O1", "O3"],
+)
 def test_every_width_and_compiler_gives_the_same_bits(compiler, flags):
     rng = np.random.default_rng(11)
     x, y = rng.normal(size=(2, 13, 2)) * 3

@@ -20,6 +20,7 @@ from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.support.c_compilers import C, run
+from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.handmade import Listing, array, bits, description, evaluate
 from tests.support.paths import PENDULUM
@@ -132,7 +133,7 @@ def test_zeros_keep_their_sign_and_what_is_no_number_stays_none():
             assert bits(found[:, 1]) == bits([1.0, 1.0, 1.0, 1.0, nan, nan, nan]), name
 
 
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("precision", slow_except(("double", "float"), "double"))
 @pytest.mark.parametrize("name", ["shared", "polynomial-7"])
 def test_one_angle_many_and_batches_of_every_width_have_the_same_bits(name, precision):
     variant = Variant(precision, sincos=name)

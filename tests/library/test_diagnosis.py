@@ -39,9 +39,9 @@ def built(system: kg.System, outputs: tuple[str, ...] = OUTPUTS, **choices: obje
 @pytest.mark.parametrize(
     ("ratio", "precision", "solver"),
     [
-        (100.0, "double", "articulated bodies"),
+        pytest.param(100.0, "double", "articulated bodies", marks=pytest.mark.slow),
         (30.0, "double", "factorisation"),
-        (1.0, "float", "factorisation"),
+        pytest.param(1.0, "float", "factorisation", marks=pytest.mark.slow),
         (30.0, "float", "articulated bodies"),
     ],
 )

@@ -17,6 +17,7 @@ from kanegen.options import Variant
 from kanegen.program.ir import Array, Module, Op, Program
 from tests.support import systems
 from tests.support.c_compilers import WARNINGS, C, run
+from tests.support.cases import slow_except
 from tests.support.handmade import Listing
 from tests.support.paths import MODELS
 
@@ -74,7 +75,7 @@ def test_every_value_is_tested(seed: int, storage: str, longest: int) -> None:
     assert not found
 
 
-@pytest.mark.parametrize("name", ["eight_body", "six_revolute_arm"])
+@pytest.mark.parametrize("name", slow_except(("eight_body", "six_revolute_arm"), "six_revolute_arm"))
 def test_every_input_in_turn(name: str) -> None:
     """The status is that of NumPy over all elements of all outputs, whichever input is not finite."""
     found: list[StatusReport] = []

@@ -16,6 +16,7 @@ import kanegen as kg
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from kanegen.symbolic.symbols import parameter
+from tests.support.cases import slow_except
 from tests.support.high_precision import Exact, exact_system
 from tests.support.orientation_trees import KINDS, tree_of_kind
 from tests.support.paths import MODELS
@@ -131,7 +132,7 @@ def test_against_differences_in_60_digits(case: str) -> None:
     assert (model.A[:m] == np.eye(m, m + n, m)).all()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "quaternions"))
 def test_every_kind_of_coordinates(kind: str) -> None:
     system = tree_of_kind(kind, 3)
     rng = np.random.default_rng(5)

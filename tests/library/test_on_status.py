@@ -21,6 +21,7 @@ from kanegen.simulation import simulate
 from kanegen.simulation.methods import ADAPTIVE, FIXED
 from tests.support import systems
 from tests.support.c_compilers import CPP, WARNINGS, C, code, run
+from tests.support.cases import slow_except
 from tests.support.handmade import F, Listing, X, description, source
 from tests.support.pivot_programs import BAD, GOOD, source_with_pivots
 from tests.support.refinement import rods
@@ -96,7 +97,7 @@ def test_elements_that_are_defined_everywhere_are_not_named(text: str, is_named:
     assert ("body1.theta3" in message.partition("in this state")[2]) == is_named
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", slow_except(VARIANTS, "double", "float arrays", "fast"))
 @pytest.mark.parametrize("by_rows", [False, True])
 def test_a_result_is_reported_exactly_where_it_is_not_finite(
     variant: str, by_rows: bool, monkeypatch: pytest.MonkeyPatch
@@ -207,7 +208,7 @@ def test_a_batch_names_the_first_state_of_each_kind() -> None:
     )
 
 
-@pytest.mark.parametrize("variant", ["double", "float", "double-double"])
+@pytest.mark.parametrize("variant", slow_except(("double", "float", "double-double"), "double"))
 def test_a_quaternion_without_length_is_named_and_not_blamed_on_the_mass_matrix(variant: str) -> None:
     system = systems.chain(2, ("theta1", "theta2", "theta3")).with_coordinates("quaternion")
     outputs = ("mass_matrix", "forcing", "forward_dynamics")
@@ -312,7 +313,9 @@ def test_an_argument_of_another_function_is_named() -> None:
         plain.mass_matrix([0.0, 0.0], taw=[1.0, 0.0])
 
 
-@pytest.mark.parametrize("variant", ["double", "float", "long double", "double-double", "fast"])
+@pytest.mark.parametrize(
+    "variant", slow_except(("double", "float", "long double", "double-double", "fast"), "double", "fast")
+)
 def test_what_c_returns(variant: str, tmp_path: Path) -> None:
     """Status and count in C and C++, without a warning; a compiler that assumes finite numbers is named."""
     tier = VARIANTS[variant]

@@ -211,7 +211,6 @@ def table(system: kg.System, size: str) -> dict:
     slow_except(
         CASES,
         ("double_pendulum", "small", "double"),
-        ("panda_arm", "full", "double"),
         ("scara", "full", "float"),
     ),
     ids=" ".join,

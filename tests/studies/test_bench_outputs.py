@@ -29,8 +29,8 @@ def arm() -> kg.System:
     return chain.with_poses(["body7"]).with_points({"tip": ("body7", (0.1, 0, 0))}).with_contacts(["tip"])
 
 
-QUICK = ("gravity_forces", "frame_jacobians", "contact_dynamics")
-"""Outputs of one array and of two, alone and with a chosen point; the others run with `make slow`."""
+QUICK = ("gravity_forces", "frame_jacobians")
+"""Outputs of one array and of two; the others run with `make slow`."""
 
 
 @pytest.mark.parametrize("output", slow_except(FUNCTIONS, *QUICK))

@@ -29,7 +29,7 @@ from tests.support.general_programs import compiled, require_equal
 from tests.support.paths import MODEL_FILES, MODELS
 from tests.support.robots import FIXED_ROBOTS, FLOATING_ROBOTS, robot_file
 
-LARGE = ("panda_arm", "front_of_eight")
+LARGE = ("panda_arm", "front_of_eight", "eight_body")
 
 
 @pytest.mark.parametrize(

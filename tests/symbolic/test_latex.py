@@ -15,6 +15,7 @@ import kanegen as kg
 from kanegen.symbolic import derive, notation
 from kanegen.symbolic.printing.formats import render
 from kanegen.symbolic.printing.prose import prose
+from tests.support.cases import slow_among
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
 
@@ -56,7 +57,7 @@ def test_every_formula_is_read_by_a_strict_parser(name: str) -> None:
         parse(formula)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", slow_among(NAMES, "eight_body"))
 def test_no_formula_can_be_read_in_two_ways(name: str) -> None:
     for text in (document(name), document(name, symbolic=True)):
         assert not re.search(r"[\d}a-z] *\{\}\^\{", text)  # an index before a letter would be a power

@@ -14,6 +14,7 @@ import kanegen as kg
 from kanegen.model.numbers import value_of
 from kanegen.symbolic.printing import render_linear_model
 from kanegen.symbolic.symbols import parameter
+from tests.support.cases import slow_among
 from tests.support.orientation_trees import KINDS, tree_of_kind
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
@@ -99,7 +100,10 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+SLOW = ("cart_two_poles in motion", "gantry_crane", "scara", "spinning_top", "furuta_pendulum")
+
+
+@pytest.mark.parametrize("case", slow_among(CASES, *SLOW))
 def test_against_the_derivatives_in_c(case: str) -> None:
     """Both derivations are independent; 1e-12 leaves room for a thousand roundoffs."""
     system, given = model_system(case.split(maxsplit=1)[0]), CASES[case]
