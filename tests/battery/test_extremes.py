@@ -17,7 +17,27 @@ from tests.battery.report import report
 
 EXPERIMENTS = {experiment.number: experiment for experiment in experiments()}
 
-SLOW = {"X1", "X3", "X4", "X13", "X20", "X28", "X31", "X32", "X33", "X34", "X35", "X36", "X38", "X40"}
+SLOW = {
+    "X1",
+    "X2",
+    "X3",
+    "X4",
+    "X10",
+    "X13",
+    "X20",
+    "X24",
+    "X25",
+    "X26",
+    "X28",
+    "X31",
+    "X32",
+    "X33",
+    "X34",
+    "X35",
+    "X36",
+    "X38",
+    "X40",
+}
 """Many compilations or many states; tests of their own, such as those of refinement, try a little of each."""
 
 NUMBERS = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in EXPERIMENTS]

@@ -41,7 +41,14 @@ def test_version() -> None:
     assert process("--version").stdout.startswith("kanegen 0.")
 
 
-@pytest.mark.parametrize("arguments", [("info",), ("equations",), ("equations", "--format", "latex")])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("info",),
+        pytest.param(("equations",), marks=pytest.mark.slow),
+        pytest.param(("equations", "--format", "latex"), marks=pytest.mark.slow),
+    ],
+)
 def test_a_terminal_without_unicode(arguments: tuple[str, ...]) -> None:
     text = process(*arguments, PENDULUM, PYTHONIOENCODING="ascii").stdout
     assert text.isascii()

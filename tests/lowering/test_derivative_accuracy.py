@@ -89,7 +89,7 @@ LOCKING = {
 
 
 @pytest.mark.parametrize("name", LOCKING)
-@pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-6, 1e-9))
+@pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-9))
 def test_derivatives_keep_their_accuracy_next_to_gimbal_lock(name: str, distance: float) -> None:
     """Through [A] of the angle rates they would lose 1 / distance^2: 1e-3 at 1e-6, everything at 1e-8."""
     system = LOCKING[name]()

@@ -14,6 +14,7 @@ from kanegen.library.native.status import StatusReport
 from kanegen.lowering.conditioning import LARGEST_ACCEPTED_ERROR
 from kanegen.measure.truth import truth
 from kanegen.model.arrays import Floats
+from tests.support.cases import slow_except
 from tests.support.rod_on_light_links import ROUNDOFF, TAU, X, Y, rod_on_light_links
 
 
@@ -34,7 +35,7 @@ def test_the_bound_is_proven_where_the_status_warns() -> None:
 
 
 @pytest.mark.parametrize("solver", ["cheapest", "factorisation"])
-@pytest.mark.parametrize("refinement", ["auto", 0, 1, 2])
+@pytest.mark.parametrize("refinement", slow_except(("auto", 0, 1, 2), "auto"))
 def test_no_large_error_is_silent(refinement: str | int, solver: str) -> None:
     """In states around one that a search for large errors found, for rods of 2.6 and 2.6e5 kg."""
     rng = np.random.default_rng(2)

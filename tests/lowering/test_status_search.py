@@ -53,7 +53,7 @@ def search(precision: str, trees: int, count: int, rounds: int, seed: int) -> tu
     return worst, evaluated
 
 
-@pytest.mark.parametrize("precision", ["float", "double"])
+@pytest.mark.parametrize("precision", slow_except(("float", "double"), "double"))
 def test_no_large_error_is_without_a_status(precision: str) -> None:
     worst, _ = search(precision, trees=8, count=100, rounds=3, seed=1)
     assert worst <= LARGEST_ERROR

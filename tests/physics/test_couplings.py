@@ -74,7 +74,7 @@ def require_equal(kind: str, seed: int, driven: bool) -> None:
     close(values(system, given, alone)[alone], right[alone], 1e-9)
 
 
-@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize("driven", slow_except((False, True), True))
 @pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[::3]))
 def test_outputs_equal_those_of_the_tree_without_couplings(kind: str, driven: bool) -> None:
     assert tree(kind, 0, driven).couplings
@@ -91,7 +91,7 @@ def test_many_trees(kind: str) -> None:
         require_equal(kind, seed, driven)
 
 
-@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize("driven", slow_except((False, True), True))
 @pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[1::3]))
 def test_the_reference_and_the_literal_equations(kind: str, driven: bool) -> None:
     system = tree(kind, 2, driven)
@@ -225,7 +225,7 @@ def test_equal_angles_share_their_sine() -> None:
     ("name", "floating", "solver"),
     [
         ("pr2", False, "articulated bodies"),
-        ("pr2", False, "factorisation"),
+        pytest.param("pr2", False, "factorisation", marks=pytest.mark.slow),
         pytest.param("talos_full_v2", True, "articulated bodies", marks=pytest.mark.slow),
     ],
 )

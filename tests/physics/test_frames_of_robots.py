@@ -29,7 +29,7 @@ ROBOTS = [
     pytest.param("pr2", False),
     pytest.param("go2", True),
     pytest.param("hyq_no_sensors", True),
-    pytest.param("g1_29dof_rev_1_0", True),
+    pytest.param("g1_29dof_rev_1_0", True, marks=pytest.mark.slow),
     pytest.param("tiago_dual", False, marks=pytest.mark.slow),
 ]
 

@@ -19,7 +19,7 @@ ROBOTS = [
     pytest.param("kinova", "j2s6s200_end_effector", False, marks=pytest.mark.slow),
     pytest.param("xarm7", "link7", False, marks=pytest.mark.slow),
     pytest.param("hyq_no_sensors", "lh_foot", True, marks=pytest.mark.slow),
-    ("solo12", "HL_FOOT", True),
+    pytest.param("solo12", "HL_FOOT", True, marks=pytest.mark.slow),
 ]
 
 

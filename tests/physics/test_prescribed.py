@@ -260,7 +260,7 @@ def test_one_state_and_many_in_c() -> None:
         close(getattr(many, name)[3], expected, 1e-11)
 
 
-@pytest.mark.parametrize("name", ["forcing", "forward_dynamics"])
+@pytest.mark.parametrize("name", slow_except(("forcing", "forward_dynamics"), "forcing"))
 def test_derivatives(name: str) -> None:
     """Derivatives with respect to {x} and {y} equal central differences."""
     system = tree("sequences", 0)

@@ -14,10 +14,11 @@ from benchmarks.validation import digits
 from benchmarks.validation.case import Case, Row, load, row
 from benchmarks.validation.cases import CASES, Study
 from benchmarks.validation.document import document
+from tests.support.cases import slow_among
 from tests.support.paths import ROOT
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", slow_among(CASES, "puma560", "space_station"))
 def test_published_case(name: str) -> None:
     case = CASES[name].quick()
     assert case.count > 0

@@ -38,7 +38,7 @@ from tests.support.paths import MODELS
 OUTPUTS = (*ARRAYS, "kinetic_energy", "potential_energy", "momentum", "mass_center", "body_poses")
 
 
-@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1, 2))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1))
 def test_truth_and_reference(seed: int) -> None:
     """The recursion agrees with two algorithms in ball arithmetic and the notes' equations in NumPy."""
     system = with_quaternions(seed)
@@ -53,7 +53,7 @@ def test_truth_and_reference(seed: int) -> None:
     close(reference.forcing(system, given["x"], given["y"], **loads), exact["forcing"].value)
 
 
-@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1, 2))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1))
 def test_angles_of_the_same_orientation(seed: int) -> None:
     """Every output equals that with angles, for the same orientations and angular velocities."""
     turned = with_quaternions(seed)

@@ -21,7 +21,7 @@ def agrees_with_the_reference(system: kg.System) -> None:
     assert report.passed, str(report)
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=8, deadline=None, derandomize=True)
 @given(systems(max_bodies=8))
 def test_c_equals_the_reference(system: kg.System) -> None:
     agrees_with_the_reference(system)

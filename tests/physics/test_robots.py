@@ -22,7 +22,12 @@ TOLERANCE = 1e-12
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 @pytest.mark.parametrize(
-    ("name", "floating"), [(n, False) for n in FIXED_ROBOTS] + [(n, True) for n in FLOATING_ROBOTS]
+    ("name", "floating"),
+    [(name, False) for name in FIXED_ROBOTS]
+    + [
+        pytest.param(name, True, marks=[pytest.mark.slow] * (name == "hyq_no_sensors"))
+        for name in FLOATING_ROBOTS
+    ],
 )
 def test_c_agrees_with_pinocchio(name: str, floating: bool) -> None:
     path = robot_file(name)

@@ -31,7 +31,7 @@ OUTPUTS = (
 )
 
 
-@pytest.mark.parametrize("seed", slow_except(range(5), 0, 1, 2))
+@pytest.mark.parametrize("seed", slow_except(range(5), 0, 1))
 def test_truth_and_reference(seed: int) -> None:
     """The recursion agrees with two algorithms in ball arithmetic and the notes' equations in NumPy."""
     system = mixed(seed).with_speeds(ANGULAR_VELOCITY)
@@ -45,7 +45,7 @@ def test_truth_and_reference(seed: int) -> None:
     close(reference.forcing(system, given["x"], given["y"], **loads), exact["forcing"].value)
 
 
-@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1, 2))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1))
 def test_equations_in_angle_rates_transform_to_these(seed: int) -> None:
     """[A] = [T]^-T [A'] [T]^-1, {f} = [T]^-T ({f'} + [A'][T]^-1 [Tdot]{xdot}); energy and poses are equal."""
     rates = mixed(seed)
@@ -134,9 +134,7 @@ TREES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name", slow_except(TREES, "free body", "ball joints", "turned ball joints that slide")
-)
+@pytest.mark.parametrize("name", slow_except(TREES, "free body", "ball joints"))
 def test_operations_are_fewer(name: str) -> None:
     rates = TREES[name]()
     by_velocity = rates.with_speeds(ANGULAR_VELOCITY)

@@ -125,6 +125,7 @@ def test_cart_pole() -> None:
     check(derive(system).closed_form(), A, f, shortness=(12, 12))
 
 
+@pytest.mark.slow
 def test_free_rigid_body_obeys_eulers_equations() -> None:
     a, b, c, m = parameters("a b c m")
     system = System.from_arrays(

@@ -79,7 +79,7 @@ def bounded(program: Program, arithmetic: Arithmetic) -> tuple[Program, list[int
 
 
 @pytest.mark.parametrize("precision", [DOUBLE, FLOAT])
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(data=st.data())
 def test_no_error_exceeds_its_bound(precision: Precision, data: st.DataObject) -> None:
     sines = [] if precision is FLOAT else [Op.SIN, Op.COS]

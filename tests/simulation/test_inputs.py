@@ -78,7 +78,12 @@ PUSH = "50*exp(-((t - 5.013)/0.01)**2)"
     ],
 )
 @pytest.mark.parametrize(
-    "options", [{"tolerance": 1e-4}, {"error": 1e-6}, {"method": "Radau", "tolerance": 1e-6}]
+    "options",
+    [
+        {"tolerance": 1e-4},
+        pytest.param({"error": 1e-6}, marks=pytest.mark.slow),
+        {"method": "Radau", "tolerance": 1e-6},
+    ],
 )
 def test_a_push_shorter_than_the_steps_is_not_missed(push: str, options: dict[str, Any]) -> None:
     """A push of 0.5 sqrt(pi) N s on 2 kg at rest gives 0.25 sqrt(pi) m/s, however small the tolerance."""

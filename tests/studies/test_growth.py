@@ -14,6 +14,7 @@ from benchmarks.growth.document import GrowthOptions, document
 from benchmarks.growth.generating import generated
 from benchmarks.growth.results import Point, Study, exponent, series
 from kanegen.library.native.commands import CommandError, TimeLimitError
+from tests.support.cases import slow_except
 
 
 def test_cases_double_and_end_at_their_largest() -> None:
@@ -36,7 +37,9 @@ def test_exponents() -> None:
     assert exponent([(16, 1.0), (32, 2.0)]) is None
 
 
-@pytest.mark.parametrize("output", ["forcing", "forward_dynamics", "mass_matrix"])
+@pytest.mark.parametrize(
+    "output", slow_except(("forcing", "forward_dynamics", "mass_matrix"), "forward_dynamics")
+)
 def test_a_case_is_generated_compiled_and_run(output: str, tmp_path: Path) -> None:
     case = Case(Curve("chain", output), 2)
     measured = generated(case, tmp_path)

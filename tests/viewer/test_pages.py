@@ -43,7 +43,7 @@ def is_moving(page: OpenPage) -> bool:
 @pytest.mark.parametrize(
     ("system", "size"),
     [
-        pytest.param(lambda: robot("panda"), NARROW, id="panda"),
+        pytest.param(lambda: robot("panda"), NARROW, id="panda", marks=pytest.mark.slow),
         pytest.param(lambda: robot("go2", floating_base=True), WIDE, id="go2", marks=pytest.mark.slow),
         pytest.param(lambda: kg.load(MODELS / "eight_body.toml"), WIDE, id="eight_body"),
     ],
