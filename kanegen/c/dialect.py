@@ -155,8 +155,12 @@ class Dialect:
             may_fail: Whether it returns a status.
             arrays: Names of the arrays that it takes.
         """
-        linkage = "PART" if self.in_pieces else "static NOINLINE"
-        return f"{linkage} {self.status if may_fail else 'void'} {name}"
+        return f"{self._linkage} {self.status if may_fail else 'void'} {name}"
+
+    @property
+    def _linkage(self) -> str:
+        """Linkage of the parts of functions."""
+        return "PART" if self.in_pieces else "static NOINLINE"
 
     def function(self, op: Op, everywhere: bool) -> str:
         """Return the name of the function for `op`.
@@ -260,7 +264,13 @@ class Dialect:
 
 @dataclass(frozen=True)
 class SimdDialect(Dialect):
-    """Functions for several states in SIMD lanes, with the types and functions of kanegen_simd.h."""
+    """Functions for several states in SIMD lanes, with the types and functions of kanegen_simd.h.
+
+    Attributes:
+        joins_parts: Whether a compiler joins the parts of a function where there are many vector registers.
+    """
+
+    joins_parts: bool = False
 
     @property
     def is_scalar(self) -> bool:
@@ -310,6 +320,11 @@ class SimdDialect(Dialect):
         """Return an expression that is the same in all states as one of type `number`."""
         return f"simd_of({text})"
 
+    @property
+    def _linkage(self) -> str:
+        """Linkage of the parts of functions."""
+        return "SIMD_PART" if self.joins_parts else super()._linkage
+
     def condition(self, text: str, place: int) -> str:
         """Return the statement that tests a value in every lane."""
         return f"valid &= simd_positive({text});"
@@ -356,6 +371,9 @@ def simd(
     kanegen_sincos: bool = False,
     places: Mapping[str, Sequence[str]] = NO_NAMES,
     in_pieces: bool = False,
+    joins_parts: bool = False,
 ) -> SimdDialect:
     """Return the dialect for several states in SIMD lanes of one precision."""
-    return SimdDialect(uniform(precision), precision, kanegen_sincos, places, in_pieces=in_pieces)
+    return SimdDialect(
+        uniform(precision), precision, kanegen_sincos, places, in_pieces=in_pieces, joins_parts=joins_parts
+    )

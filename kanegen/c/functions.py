@@ -29,10 +29,14 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.pieces import Part
 from kanegen.c.simd import SIMD
-from kanegen.c.target import RenderInput, Target
+from kanegen.c.target import BatchFunction, RenderInput, Target
 from kanegen.c.vector_sincos import vector_sincos
-from kanegen.program.ir import Op, Program
+from kanegen.program.ir import Array, Op, Program
 from kanegen.program.precision import DOUBLE_DOUBLE, Precision
+
+LONGEST_JOINED = 8000
+"""Instructions of a function in SIMD lanes up to which a compiler joins its parts where there are 32 vector
+registers, which hold more of the values between the parts; longer ones gain nothing and compile too long."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,21 @@ class Code:
 
 
 @dataclass(frozen=True)
+class Tile:
+    """The vectors that the SIMD form of a function fills for one output, and how they become rows.
+
+    Attributes:
+        array: The output.
+        size: Number of vectors.
+        places: Lines of a table with the vector of each element, [] where each element has its own.
+    """
+
+    array: Array
+    size: int
+    places: list[str]
+
+
+@dataclass(frozen=True)
 class PrintedFunction:
     """One function of a model, its batch form and its SIMD form, as lines of C.
 
@@ -83,6 +102,7 @@ class PrintedFunction:
         simd_failures: Statement that counts the states of a SIMD vector whose status is not 0.
         row_call: Call of the form for one state, in a batch without SIMD.
         has_simd: Whether there is a SIMD form.
+        tiles: For every output, the vectors that the SIMD form fills.
     """
 
     name: str
@@ -98,6 +118,7 @@ class PrintedFunction:
     simd_failures: list[str]
     row_call: list[str]
     has_simd: bool
+    tiles: list[Tile]
 
 
 def printed_functions(render_input: RenderInput, target: Target) -> list[PrintedFunction]:
@@ -108,16 +129,22 @@ def printed_functions(render_input: RenderInput, target: Target) -> list[Printed
         formats = render_input.formats
         # `prepare` computes at least in double; its results are never rounded to the precision of storage.
         is_uniform = function.name != PREPARE or formats.every == (formats.preparing,)
-        batch, batch_parts = render_input.batch_programs[function.name]
-        has_simd = render_input.batches and batch.fits_simd and formats.arithmetic in SIMD and is_uniform
+        batch = render_input.batch_programs[function.name]
+        has_simd = (
+            render_input.batches and batch.function.fits_simd and formats.arithmetic in SIMD and is_uniform
+        )
         one = scalar_code(render_input, target, function, parts)
-        several = _simd_code(render_input, name, batch, batch_parts) if has_simd else None
-        found.append(printed_function(render_input, function, one, several))
+        several = _simd_code(render_input, name, batch) if has_simd else None
+        found.append(printed_function(render_input, function, one, several, batch if has_simd else None))
     return found
 
 
 def printed_function(
-    render_input: RenderInput, function: Function, one: Code, several: Code | None
+    render_input: RenderInput,
+    function: Function,
+    one: Code,
+    several: Code | None,
+    batch: BatchFunction | None = None,
 ) -> PrintedFunction:
     """Return a function with its documentation and its batch form.
 
@@ -126,6 +153,7 @@ def printed_function(
         function: Arrays and status of the function.
         one: Body of the form for one state.
         several: Body of the SIMD form, None where there is none.
+        batch: The function as SIMD lanes compute it, if its matrices differ.
     """
     model, formats = render_input.model.name, render_input.formats
     return PrintedFunction(
@@ -142,6 +170,7 @@ def printed_function(
         simd_failures=simd_failures(function),
         row_call=row_call(model, function),
         has_simd=several is not None,
+        tiles=_tiles(function, batch),
     )
 
 
@@ -155,15 +184,35 @@ def scalar_code(
     return code(name, function, parts, dialect, not_finite(render_input.model), flushes)
 
 
-def _simd_code(render_input: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
+def _tiles(function: Function, batch: BatchFunction | None) -> list[Tile]:
+    """Return the vectors of every output of a function.
+
+    Args:
+        function: The function.
+        batch: The function as SIMD lanes compute it, None where its outputs are the same.
+    """
+    sizes = {array.name: array.size for array in (batch.function.outputs if batch else function.outputs)}
+    places = batch.places if batch else {}
+    return [Tile(array, sizes[array.name], _table(places.get(array.name, ()))) for array in function.outputs]
+
+
+def _table(numbers: Sequence[int]) -> list[str]:
+    """Return the lines of numbers between the braces of a table in a loop."""
+    return wrap(f",{BREAK}".join(map(str, numbers)), indent=" " * 12, hanging=" " * 12) if numbers else []
+
+
+def _simd_code(render_input: RenderInput, name: str, batch: BatchFunction) -> Code:
     """Return the body of the SIMD form."""
+    in_pieces, flushes = render_input.pieces > 0, render_input.variant.flushes
+    length = sum(len(part.instructions) for part in batch.parts)
     dialect = simd(
         render_input.formats.arithmetic,
         render_input.sincos is not None,
         render_input.places,
-        render_input.pieces > 0,
+        in_pieces,
+        joins_parts=length <= LONGEST_JOINED and not in_pieces and not flushes,
     )
-    return code(f"{name}_simd", function, parts, dialect, flushes=render_input.variant.flushes)
+    return code(f"{name}_simd", batch.function, batch.parts, dialect, flushes=flushes)
 
 
 def code(

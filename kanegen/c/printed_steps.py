@@ -74,7 +74,7 @@ def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], lis
     functions = {function.name: function for function in render_input.programs}
     formats, model = render_input.formats, render_input.model
     can = render_input.batches and formats.arithmetic in SIMD and not formats.is_mixed
-    in_lanes = [function for function, _ in render_input.batch_programs.values()]
+    in_lanes = [one.function for one in render_input.batch_programs.values()]
     lanes = {
         name: can and all(one.fits_simd for one in (step, *composed(name, in_lanes, model.speeds_are_rates)))
         for name, step in render_input.steps.items()

@@ -19,13 +19,29 @@ from kanegen.c.interface import Footprint, Function, prepared_names, requested, 
 from kanegen.c.pieces import number_of_pieces
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
-from kanegen.c.steps import Rollout, step_function
+from kanegen.c.steps import Rollout, composed, step_function
 from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
+from kanegen.program.distinct import distinct_values
 from kanegen.program.expand import LONGEST_STRAIGHT, expanded_module, has_loops
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Module, Program
 from kanegen.program.precision import Precision
 from kanegen.program.split import select_functions
+
+
+@dataclass(frozen=True)
+class BatchFunction:
+    """A function as the SIMD lanes of a batch compute it.
+
+    Attributes:
+        function: The function; its matrices may hold every value once.
+        parts: Its programs in order.
+        places: For the name of each matrix that holds every value once, place of the value of each element.
+    """
+
+    function: Function
+    parts: tuple[Program, ...]
+    places: Mapping[str, tuple[int, ...]]
 
 
 @dataclass(frozen=True)
@@ -65,17 +81,32 @@ class RenderInput:
         return signatures(self.selected, self.longest_part, self.parameters_by_state, self.batches)
 
     @cached_property
-    def batch_programs(self) -> dict[str, tuple[Function, tuple[Program, ...]]]:
-        """Every function with its parts as the SIMD lanes of a batch compute it, by name.
+    def batch_programs(self) -> dict[str, BatchFunction]:
+        """Every function as the SIMD lanes of a batch compute it, by name.
 
         Where the code for one state solves for columns in loops, that for several states is straight-line
-        code with the same operations, unless that would be too long.
+        code with the same operations, unless that would be too long. Values that a matrix holds several times
+        are stored once, unless functions that follow a motion read the matrix.
         """
-        programs = self.programs
-        if has_loops(self.selected):
-            module = expanded_module(self.selected, LONGEST_STRAIGHT)
-            programs = signatures(module, self.longest_part, self.parameters_by_state, self.batches)
-        return {function.name: (function, parts) for function, parts in programs.items()}
+        module = self.selected
+        if has_loops(module):
+            module = expanded_module(module, LONGEST_STRAIGHT)
+        found = {name: distinct_values(program) for name, program in module.functions.items()}
+        programs = {name: one.program for name, one in found.items() if name not in self._of_steps}
+        module = replace(module, functions={**module.functions, **programs})
+        printed = signatures(module, self.longest_part, self.parameters_by_state, self.batches)
+        places = {name: found[name].places for name in programs}
+        return {
+            function.name: BatchFunction(function, parts, places.get(function.name, {}))
+            for function, parts in printed.items()
+        }
+
+    @property
+    def _of_steps(self) -> set[str]:
+        """Names of the functions that those which follow a motion call."""
+        are_rates = self.model.speeds_are_rates
+        called = (composed(name, self.programs, are_rates) for name in self.selected.integrators)
+        return {function.name for functions in called for function in functions}
 
     @cached_property
     def steps(self) -> dict[str, Function]:
@@ -118,7 +149,7 @@ class RenderInput:
     @cached_property
     def pieces(self) -> int:
         """Number of pieces of each file of C, 0 where the longer one is too short to be divided."""
-        of_batches = [parts for _, parts in self.batch_programs.values()] if self.batches else []
+        of_batches = [one.parts for one in self.batch_programs.values()] if self.batches else []
         return max(map(number_of_pieces, (self.programs.values(), of_batches)))
 
     @property
@@ -132,7 +163,7 @@ class RenderInput:
         simd = self.simd
         if simd is None:
             return 0
-        functions = (*(function for function, _ in self.batch_programs.values()), *self.steps.values())
+        functions = (*(one.function for one in self.batch_programs.values()), *self.steps.values())
         numbers = max((f.numbers for f in functions if f.has_batch and f.fits_simd), default=0)
         copies = 2 if self.formats.is_mixed else 1
         return -(-copies * numbers * simd.widths[-1] * simd.precision.bytes // 1024)

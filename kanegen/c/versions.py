@@ -56,7 +56,7 @@ _DEFINED = re.compile(
     re.MULTILINE,
 )
 
-_OF_WIDTH = re.compile(r"^ *#define (\w+_(?:H|LANES)|SIMD_(?:EVEN|ODD)_\d+)\b", re.MULTILINE)
+_OF_WIDTH = re.compile(r"^ *#define (\w+_(?:H|LANES)|SIMD_PART|SIMD_(?:EVEN|ODD)_\d+)\b", re.MULTILINE)
 
 
 def included(text: str, headers: Mapping[str, str]) -> list[str]:

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import kanegen as kg
 from kanegen.c import interface, render
 from kanegen.c.dialect import SIMD
 from kanegen.c.function_body import statements
@@ -17,6 +18,7 @@ from tests.support.c_compilers import C
 from tests.support.handmade import Listing, array, bits, description, evaluate, source
 from tests.support.random_programs import EXACT, programs
 from tests.support.simd import FLAGS, sine_and_cosine, wide
+from tests.support.systems import random_system
 
 WIDTHS = (1, 2, 4, 8)
 IN, OUT, SHARED = array("x", 3), array("f", 2), array("prepared", 2)
@@ -165,3 +167,20 @@ def test_arrays_too_large_for_the_stack_go_one_by_one(monkeypatch):
     x, y = np.random.default_rng(13).normal(size=(2, 5, 2))
     assert bits(library.mass_matrix(x)) == bits([library.mass_matrix(row) for row in x])
     assert bits(library.forcing(x, y)) == bits([library.forcing(*s) for s in zip(x, y, strict=True)])
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("form", ["full", "lower"])
+def test_matrices_that_hold_values_several_times(form, width):
+    """Every value is stored once for several states, found at all its places, and tested at each of them."""
+    system = random_system(np.random.default_rng(3), 4, connection=(0, 1, 1, 0), name="forked")
+    made = kg.generate(system, ("mass_matrix",), mass_matrix=form)
+    assert "A_places" in made.files["forked_batch.c"]
+    library = load(made, flags=wide(width), on_status="ignore")
+    x = np.random.default_rng(14).uniform(-1.0, 1.0, (19, len(system.coordinates)))
+    assert bits(library.mass_matrix(x)) == bits([library.mass_matrix(one) for one in x])
+    x[[4, 11, 18]] = np.nan
+    call = library.bind("mass_matrix", states=len(x))
+    call.x = x
+    assert call() == 3
+    assert np.isnan(call.A).any(axis=(1, 2)).nonzero()[0].tolist() == [4, 11, 18]
