@@ -173,7 +173,7 @@ def test_arrays_too_large_for_the_stack_go_one_by_one(monkeypatch):
 @pytest.mark.parametrize("form", ["full", "lower"])
 def test_matrices_that_hold_values_several_times(form, width):
     """Every value is stored once for several states, found at all its places, and tested at each of them."""
-    system = random_system(np.random.default_rng(3), 4, connection=(0, 1, 1, 0), name="forked")
+    system = random_system(np.random.default_rng(3), 6, connection=(0, 1, 1, 0, 4, 4), name="forked")
     made = kg.generate(system, ("mass_matrix",), mass_matrix=form)
     assert "A_places" in made.files["forked_batch.c"]
     library = load(made, flags=wide(width), on_status="ignore")
