@@ -11,7 +11,7 @@ import pytest
 import kanegen as kg
 from kanegen.recursion.outputs import DERIVATIVES, available
 from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
-from tests.support.cases import slow_among
+from tests.support.cases import slow_among, slow_except
 from tests.support.handmade import bits, evaluate, module, source
 from tests.support.paths import GENERATED, MODELS
 
@@ -101,7 +101,7 @@ def test_c_is_clean_and_needs_only_libm(compiler, variant, tmp_path):
 
 
 @pytest.mark.parametrize("compiler", CPP)
-@pytest.mark.parametrize("standard", ["c++98", "c++17"])
+@pytest.mark.parametrize("standard", slow_except(("c++98", "c++17"), "c++98"))
 def test_the_header_is_cpp(compiler, standard, variant, tmp_path):
     folder = source(**variant).write(tmp_path / "out")
     (tmp_path / "user.cpp").write_text(

@@ -148,7 +148,9 @@ def two_arms() -> kg.System:
     )
 
 
-@pytest.mark.parametrize("short", [0, 12], ids=["rows in loops", "rows as statements"])
+@pytest.mark.parametrize(
+    "short", [0, pytest.param(12, marks=pytest.mark.slow)], ids=["rows in loops", "rows as statements"]
+)
 @pytest.mark.parametrize(
     "system", [two_arms(), kg.load(MODELS / "free_body.toml")], ids=lambda system: system.name
 )

@@ -11,6 +11,7 @@ import pytest
 from kanegen.c.double_double import DOUBLE_DOUBLE_HEADER
 from kanegen.c.templates import fill
 from tests.support.c_compilers import CPP, C, run
+from tests.support.cases import slow_except
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
 UNIT = mpmath.mpf(2) ** -53
@@ -169,7 +170,7 @@ def test_every_compiler_gives_the_same_bits(folder, compiled):
             assert other(f, *inputs[1 if f in UNARY else 2]).tobytes() == bits, (command, flags, f)
 
 
-@pytest.mark.parametrize("flags", ["-O0", "-O3 -march=native"])
+@pytest.mark.parametrize("flags", slow_except(("-O0", "-O3 -march=native"), "-O0"))
 @pytest.mark.parametrize("compiler", [*C, *CPP])
 def test_the_header_is_clean(folder, compiler, flags):
     (folder / "user.cpp").write_text('#include "kanegen_double_double.h"\nint user() { return 0; }\n')

@@ -22,6 +22,7 @@ from kanegen.program.elementary import PLACES, SUBNORMAL_PLACES
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 from tests.support.c_compilers import SANITIZERS, WARNINGS, C, code, run
+from tests.support.cases import slow_except
 from tests.support.handmade import Listing, array, bits, description
 from tests.support.slide import slide
 
@@ -325,7 +326,11 @@ def test_polynomials_are_proven_near_their_functions(name: str, end: float, prec
 
 @pytest.mark.parametrize("compiler", C)
 @pytest.mark.parametrize(
-    "variant", [Variant(), Variant("float"), Variant("double-double"), Variant("long double")]
+    "variant",
+    slow_except(
+        (Variant(), Variant("float"), Variant("double-double"), Variant("long double")),
+        *(Variant("float"), Variant("double-double")),
+    ),
 )
 def test_no_warnings_and_no_undefined_behaviour(compiler: str, variant: Variant, tmp_path: Path) -> None:
     text = "tanh(x.q)*exp(y.q) + max(0, y.q, x.q) - min(1, x.p) + log(2 + abs(x.q))*sign(y.p) + atan2(x.q, 2)"

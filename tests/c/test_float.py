@@ -192,7 +192,7 @@ def test_threads_change_no_bit():
     assert bits(alone.forcing) == bits(together.forcing)
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=5, deadline=None, derandomize=True)
 @given(systems(max_bodies=5))
 def test_random_trees_agree_with_the_reference(system):
     library = kg.build(system, flags=FLAGS, precision="float")

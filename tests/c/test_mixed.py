@@ -78,6 +78,7 @@ def test_widths_and_places_do_not_matter(width):
         np.testing.assert_array_equal(part.forcing, whole.forcing[:count])
 
 
+@pytest.mark.slow
 def test_errors_are_one_rounding():
     """The certified error is half a unit in the last place of a float, and the error of double precision."""
     system = tree(2)
@@ -140,7 +141,7 @@ def test_results_that_storage_cannot_hold_are_refused():
 @pytest.mark.parametrize("compiler", C)
 @pytest.mark.parametrize(
     "arithmetic",
-    slow_except((DOUBLE, FLOAT, LONG_DOUBLE), DOUBLE, FLOAT),
+    slow_except((DOUBLE, FLOAT, LONG_DOUBLE), FLOAT),
     ids=lambda precision: precision.name,
 )
 def test_c_is_clean(compiler, arithmetic, tmp_path):

@@ -10,6 +10,7 @@ import kanegen as kg
 from kanegen.errors import OptionError
 from kanegen.library import load
 from tests.support.c_compilers import WARNINGS, C, run
+from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.paths import MODELS, PENDULUM
 
@@ -35,7 +36,9 @@ def test_the_functions_for_one_state_have_the_same_bits(model: str, precision: s
     )
 
 
-@pytest.mark.parametrize("precision", ["float", "double", "double-double", "long double"])
+@pytest.mark.parametrize(
+    "precision", slow_except(("float", "double", "double-double", "long double"), "double")
+)
 def test_nothing_mentions_batches(precision: str) -> None:
     source = kg.generate(kg.load(PENDULUM), OUTPUTS, precision=precision, batches=False)
     for name, text in source.files.items():

@@ -134,7 +134,7 @@ def test_zeros_keep_their_sign_and_what_is_no_number_stays_none():
 
 
 @pytest.mark.parametrize("precision", slow_except(("double", "float"), "double"))
-@pytest.mark.parametrize("name", ["shared", "polynomial-7"])
+@pytest.mark.parametrize("name", slow_except(("shared", "polynomial-7"), "shared"))
 def test_one_angle_many_and_batches_of_every_width_have_the_same_bits(name, precision):
     variant = Variant(precision, sincos=name)
     x = np.random.default_rng(9).uniform(-7, 7, (40, ANGLES))
@@ -196,7 +196,7 @@ def test_the_c_library_itself():
     assert "Sine and cosine are those of the C library" in files["handmade.h"]
 
 
-@pytest.mark.parametrize("name", POLYNOMIALS)
+@pytest.mark.parametrize("name", slow_except(POLYNOMIALS, *POLYNOMIALS[::3]))
 @pytest.mark.parametrize("precision", [DOUBLE, FLOAT], ids=["double", "float"])
 def test_the_error_of_a_polynomial_is_what_the_header_says(name, precision):
     found = minimax(int(name.partition("-")[2]), precision)

@@ -24,6 +24,7 @@ from kanegen.recursion.outputs import INTEGRATORS, available
 from kanegen.reference.states import random_states
 from tests.support import prescribed_trees
 from tests.support.c_compilers import SANITIZERS, WARNINGS, C, run
+from tests.support.cases import slow_except
 from tests.support.fmu import CALL_FAILED, CO_SIMULATION, MODEL_EXCHANGE, Instance
 from tests.support.pages import copy_of_checkout, fenced, run_console
 from tests.support.paths import ROOT
@@ -656,7 +657,7 @@ def test_the_same_model_gives_the_same_bytes(made, tmp_path):
     assert again.read_bytes() == made.fmu(system, 3).read_bytes()
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("compiler", slow_except(("gcc", "clang"), "gcc"))
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", MODELS)
 def test_sources_compile_without_warnings(made, name, version, compiler, tmp_path):

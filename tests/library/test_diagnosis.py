@@ -19,6 +19,7 @@ from kanegen.reference import equations as reference
 from kanegen.reference.matrices import length
 from kanegen.reference.states import random_states
 from tests.support import systems
+from tests.support.cases import slow_except
 from tests.support.refinement import SOLVERS, computed, mixed, rods, sample
 
 OUTPUTS = ("forward_dynamics", "error_estimate", "regularity")
@@ -64,7 +65,7 @@ def test_the_estimate_is_the_error(ratio: float, precision: str, solver: str) ->
     assert max(ratios) <= 3
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", slow_except(SOLVERS, "articulated bodies"))
 def test_the_estimate_is_the_difference_that_a_step_makes(solver: str) -> None:
     """The system has all kinds of joints and loads.
 

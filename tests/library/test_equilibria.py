@@ -80,6 +80,7 @@ def test_a_crane_hangs_where_its_drum_holds_the_load() -> None:
     assert {"bridge_travel", "trolley_travel"} <= {name for one in found[0].free_directions for name in one}
 
 
+@pytest.mark.slow
 def test_where_two_families_cross_nothing_is_called_unstable() -> None:
     """At the pivot of the rope the crane's load swings without weight: forces vanish to the second order."""
     system = model("gantry_crane")

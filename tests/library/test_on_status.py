@@ -276,7 +276,7 @@ def test_simulations_report_once() -> None:
         simulate(library.with_on_status("ignore"), *start, [0.0, 1e-4], step=1e-5)
 
 
-@pytest.mark.parametrize("on_status", ["warn", "raise", "ignore"])
+@pytest.mark.parametrize("on_status", slow_except(("warn", "raise", "ignore"), "raise"))
 @pytest.mark.parametrize("method", [*FIXED, *ADAPTIVE])
 def test_a_motion_through_an_undefined_force_element(method: str, on_status: str) -> None:
     """[A] is regular; at the first time no step helps, later a smaller one might."""

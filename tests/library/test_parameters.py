@@ -93,7 +93,7 @@ def test_random_trees(seed: int) -> None:
         assert np.abs(forcing[i] - expected).max() <= 1e-12 * size  # as in test_everything_together
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", slow_except(VARIANTS, *list(VARIANTS)[::2]))
 def test_every_precision(pendulum: kg.System, variant: str) -> None:
     tier = VARIANTS[variant]
     library = kg.build(pendulum, OUTPUTS, tier=tier, flags=QUICK, parameters_by_state=True)

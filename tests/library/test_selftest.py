@@ -19,6 +19,7 @@ from kanegen.library.native.build import build
 from kanegen.options import TIERS, Variant
 from kanegen.program import semantics
 from kanegen.program.precision import FLOAT
+from tests.support.cases import slow_except
 from tests.support.handmade import source
 from tests.support.systems import chain
 
@@ -43,13 +44,13 @@ def kept(command, variant):
     return selftest.properties(found, selftest.sound_flags(found, replace(source(), variant=variant)))
 
 
-@pytest.mark.parametrize("command", COMPILERS)
+@pytest.mark.parametrize("command", slow_except(COMPILERS, *COMPILERS[:2]))
 @pytest.mark.parametrize("level", semantics.OPTIMISATIONS)
 def test_strict_flags_keep_what_is_promised(command, level):
     assert set(semantics.PROPERTIES) <= kept(command, Variant(optimisation=level, machine="native"))
 
 
-@pytest.mark.parametrize("command", COMPILERS)
+@pytest.mark.parametrize("command", slow_except(COMPILERS, *COMPILERS[:1]))
 @pytest.mark.parametrize("name", semantics.SEMANTICS)
 def test_semantics_give_up_no_more_than_they_say(command, name):
     variant = Variant(semantics=name, machine="native", optimisation=3)

@@ -99,7 +99,7 @@ def test_derivatives_keep_their_accuracy_next_to_gimbal_lock(name: str, distance
     assert column * DOUBLE.roundoff <= 2e-13  # the largest over all distances is 7e-14
 
 
-@pytest.mark.parametrize(("ratio", "bodies"), [(30.0, 4), (1000.0, 4)])
+@pytest.mark.parametrize(("ratio", "bodies"), [pytest.param(30.0, 4, marks=pytest.mark.slow), (1000.0, 4)])
 def test_derivatives_of_refined_trees_are_refined(ratio: float, bodies: int) -> None:
     """The elimination of [A] alone loses 1e-9 here, as it would without refinement."""
     system = rods(ratio, bodies)

@@ -67,7 +67,7 @@ def corners(domain: Domain, count: int) -> Sample:
 
 
 @pytest.mark.parametrize("precision", ["double", "float"])
-@pytest.mark.parametrize("name", slow_among(NAMES, "scara"))
+@pytest.mark.parametrize("name", slow_among(NAMES, "scara", "gantry_crane"))
 def test_no_error_exceeds_its_bound(name: str, precision: str) -> None:
     domain = default_domain(model(name))
     still = domain.sample(4, 5)

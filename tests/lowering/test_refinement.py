@@ -95,7 +95,10 @@ def test_without_refinement_errors_are_reported() -> None:
     assert any(error > 0.01 and "not accurate in this state" in message for error, message in found)
 
 
-@pytest.mark.parametrize(("ratio", "precision"), [(50.0, "double"), (1000.0, "double"), (8.0, "float")])
+@pytest.mark.parametrize(
+    ("ratio", "precision"),
+    [pytest.param(50.0, "double", marks=pytest.mark.slow), (1000.0, "double"), (8.0, "float")],
+)
 def test_a_factorisation_reports_where_it_fails(ratio: float, precision: str) -> None:
     found = errors_and_messages(
         built(rods(ratio), precision=precision, solver="factorisation", refinement=1), rods(ratio), 40
@@ -119,7 +122,11 @@ def test_overflow_is_reported_as_inaccurate() -> None:
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(
     "make",
-    [pytest.param(lambda: mixed(1), marks=pytest.mark.slow), lambda: mixed(2), lambda: systems.chain(3)],
+    [
+        pytest.param(lambda: mixed(1), marks=pytest.mark.slow),
+        lambda: mixed(2),
+        pytest.param(lambda: systems.chain(3), marks=pytest.mark.slow),
+    ],
 )
 def test_ordinary_trees_stay_as_accurate(make: Callable[[], kg.System], solver: str) -> None:
     system = make()
@@ -243,7 +250,9 @@ def test_the_header_documents_refinement_and_status() -> None:
     assert "-1 and below" not in kg.generate(rods(0.03), FORWARD).files["rods.h"]
 
 
-@pytest.mark.parametrize(("name", "most"), [("eight_body", 0.6), ("chain", 0.45)])
+@pytest.mark.parametrize(
+    ("name", "most"), [pytest.param("eight_body", 0.6, marks=pytest.mark.slow), ("chain", 0.45)]
+)
 def test_a_step_costs_clearly_less_than_a_solution(name: str, most: float) -> None:
     """The first step, which includes the size of the correction, and the second, as shares of a solution."""
     system = ORDINARY["eight_body"]() if name == "eight_body" else systems.chain(5)

@@ -34,7 +34,7 @@ def test_the_bound_is_proven_where_the_status_warns() -> None:
     assert (error <= library.error_bound(X, Y, ydot, TAU)).all()
 
 
-@pytest.mark.parametrize("solver", ["cheapest", "factorisation"])
+@pytest.mark.parametrize("solver", slow_except(("cheapest", "factorisation"), "cheapest"))
 @pytest.mark.parametrize("refinement", slow_except(("auto", 0, 1, 2), "auto"))
 def test_no_large_error_is_silent(refinement: str | int, solver: str) -> None:
     """In states around one that a search for large errors found, for rods of 2.6 and 2.6e5 kg."""

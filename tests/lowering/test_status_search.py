@@ -21,7 +21,7 @@ from kanegen.recursion.tree import Derived, tree
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 from tests.support import robots, systems
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 from tests.support.paths import MODELS
 from tests.support.refinement import rods
 from tests.support.status_search import (
@@ -210,7 +210,7 @@ TESTED = {
 """Number of pivots that are tested in every state."""
 
 
-@pytest.mark.parametrize("name", TESTED)
+@pytest.mark.parametrize("name", slow_among(TESTED, "panda_arm", "eight_body"))
 def test_constants_exclude_most_tests(name: str) -> None:
     program = compile_module(kg.load(MODELS / f"{name}.toml"), FORWARD).module.functions["forward_dynamics"]
     (output,) = program.outputs
@@ -219,7 +219,7 @@ def test_constants_exclude_most_tests(name: str) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
-@pytest.mark.parametrize("name", ["ur5_robot", "double_pendulum"])
+@pytest.mark.parametrize("name", slow_except(("ur5_robot", "double_pendulum"), "double_pendulum"))
 def test_ordinary_robots_have_no_status(name: str) -> None:
     system = kg.load(robots.robot_file(name))
     evaluator = Evaluator(system, "double")

@@ -17,6 +17,7 @@ import kanegen as kg
 from kanegen.measure.bounds import read_domain
 from kanegen.options import Variant
 from kanegen.program.precision import precision_named
+from tests.support.cases import slow_except
 from tests.support.slide import slide
 
 BOX = {"x": {"q": [-1.0, 1.0], "p": [0.5, 1.5]}, "y": {"q": [-2.0, 2.0], "p": [-1.0, 1.0]}}
@@ -67,7 +68,7 @@ def states(precision: str, seed: int = 0) -> np.ndarray:
     return found.astype(precision_named(precision).dtype).astype(np.float64)
 
 
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("precision", slow_except(("double", "float"), "double"))
 @pytest.mark.parametrize("text", EXACT)
 def test_no_state_exceeds_the_proven_bound(text: str, precision: str) -> None:
     system = slide(text)

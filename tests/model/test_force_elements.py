@@ -78,7 +78,7 @@ def test_programs_agree_with_the_reference(seed: int) -> None:
     assert np.abs(found["acceleration"] - ydot).max() <= 1e-13 * np.linalg.cond(matrix) * np.abs(ydot).max()
 
 
-@pytest.mark.parametrize("seed", slow_except(range(5), 1, 2))
+@pytest.mark.parametrize("seed", slow_except(range(5), 2))
 def test_literal_equations_agree_with_the_reference(seed: int) -> None:
     system = driven(seed, 2)
     states = random_states(system, 1, seed)

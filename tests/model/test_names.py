@@ -21,6 +21,7 @@ from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.page import html as html_page
 from kanegen.symbolic.printing import render
 from tests.support.c_compilers import WARNINGS, C, code, run
+from tests.support.cases import slow_except
 from tests.support.paths import FROM_REPORTS
 
 SCRIPTS = ("左腿", "Fuß links", "нога", "👩‍🔧 arm", "رِجل", "पैर", "joint(1)", "a/b\\c", "int", "x" * 64)
@@ -137,7 +138,7 @@ def test_the_page_of_a_cost_report() -> None:
     assert "&lt;script&gt;x&lt;/script&gt;" in page and "a&amp;b" in page and "左腿" in page
 
 
-@pytest.mark.parametrize("name", [*SCRIPTS, *ATTACKS])
+@pytest.mark.parametrize("name", slow_except((*SCRIPTS, *ATTACKS), *SCRIPTS[::4], *ATTACKS[::4]))
 def test_one_hinge_with_the_name(name: str, tmp_path: Path) -> None:
     """The printed equations, the summary and the selection by name work with each name."""
     system = armed((name,), name)

@@ -259,7 +259,7 @@ def test_a_motor_moves_a_body_without_mass() -> None:
     assert found["acceleration"][1] == pytest.approx(4, rel=1e-14)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_except(range(3), 1))
 def test_literal_equations_and_their_closed_form(seed: int) -> None:
     system = armed(systems.chain(2, ["theta3"], seed), seed)
     x = np.array([0.4, -0.7])

@@ -15,7 +15,15 @@ SOLVERS = ("cheapest", "articulated bodies", "factorisation")
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize(("seed", "masses"), [(0, False), (1, False), (2, True), (3, True)])
+@pytest.mark.parametrize(
+    ("seed", "masses"),
+    [
+        (0, False),
+        pytest.param(1, False, marks=pytest.mark.slow),
+        pytest.param(2, True, marks=pytest.mark.slow),
+        (3, True),
+    ],
+)
 def test_extreme_armature(seed: int, masses: bool, solver: str) -> None:
     """Four hinges, armature within 1e-8 ... 1e8, the masses the same or spread over eight decades."""
     rng = np.random.default_rng(seed)

@@ -11,7 +11,7 @@ from kanegen.compiler import compile_module
 from kanegen.interop.pinocchio import state_map
 from kanegen.interop.state_map import StateMap
 from kanegen.program.evaluate import evaluate
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 from tests.support.orientation_trees import close
 from tests.support.robots import robot_file
 
@@ -56,7 +56,7 @@ def places(system: kg.System, model: pin.Model) -> np.ndarray:
     return np.add.outer(first, np.arange(10)).ravel()
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", slow_among(ROBOTS, "hyq_no_sensors"))
 def test_pinocchio(name: str) -> None:
     system, model, states = reading(name)
     close(kg.inertial_parameters(system), parameters(system, model), 1e-14)
@@ -91,7 +91,7 @@ def test_a_batch_of_panda_in_c() -> None:
         close(found.regressor[row] @ kg.inertial_parameters(system), tau)
 
 
-@pytest.mark.parametrize("output", LARGEST_ALONE)
+@pytest.mark.parametrize("output", slow_among(LARGEST_ALONE, "base_regressor"))
 def test_operations_do_not_rise(output: str) -> None:
     for name, most in LARGEST_ALONE[output].items():
         counts = compile_module(reading(name)[0], (output,)).operations

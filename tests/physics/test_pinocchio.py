@@ -57,7 +57,9 @@ def test_any_sequences(seed: int) -> None:
     assert report.passed, str(report)
 
 
-@pytest.mark.parametrize("freedoms", [("theta3",), ("theta1", "theta2", "theta3")])
+@pytest.mark.parametrize(
+    "freedoms", [("theta3",), pytest.param(("theta1", "theta2", "theta3"), marks=pytest.mark.slow)]
+)
 def test_long_chains(freedoms: tuple[str, ...]) -> None:
     report = compare(system := systems.chain(64, freedoms), PinocchioTree(system), states=3)
     assert report.passed, str(report)

@@ -18,7 +18,7 @@ from tests.support.cases import slow_among
 from tests.support.paths import ROOT
 
 
-@pytest.mark.parametrize("name", slow_among(CASES, "puma560", "space_station"))
+@pytest.mark.parametrize("name", slow_among(CASES, "puma560", "space_station", "flyball_governor"))
 def test_published_case(name: str) -> None:
     case = CASES[name].quick()
     assert case.count > 0

@@ -133,7 +133,7 @@ def test_compiled_code(precision: str) -> None:
             assert (library.coordinate_rates(x, y)[k] == library.coordinate_rates(x[k], y[k])).all()
 
 
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("precision", slow_except(("double", "float"), "float"))
 @pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
 def test_every_length_is_accurate_or_nan(precision: str) -> None:
     """Lengths over the whole range of the numbers, closely where squares leave it."""

@@ -21,7 +21,7 @@ def agrees_with_the_reference(system: kg.System) -> None:
     assert report.passed, str(report)
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=6, deadline=None, derandomize=True)
 @given(systems(max_bodies=8))
 def test_c_equals_the_reference(system: kg.System) -> None:
     agrees_with_the_reference(system)
@@ -34,7 +34,7 @@ def test_c_of_larger_trees_equals_the_reference(system: kg.System) -> None:
     agrees_with_the_reference(system)
 
 
-@settings(max_examples=10, deadline=None, derandomize=True)
+@settings(max_examples=5, deadline=None, derandomize=True)
 @given(systems(max_bodies=4))
 def test_a_batch_equals_its_states(system: kg.System) -> None:
     """The difference is at most the effect of an ulp of every sine and cosine, which batches compute anew."""
@@ -47,7 +47,7 @@ def test_a_batch_equals_its_states(system: kg.System) -> None:
         np.testing.assert_allclose(batch, states, rtol=0, atol=1e-15 * library.n * np.abs(batch).max())
 
 
-@settings(max_examples=10, deadline=None, derandomize=True)
+@settings(max_examples=5, deadline=None, derandomize=True)
 @given(systems(max_bodies=4))
 def test_the_place_in_a_batch_does_not_matter(system: kg.System) -> None:
     library = kg.build(system)

@@ -60,7 +60,7 @@ def inputs(system: kg.System, seed: int) -> Arrays:
     return found | {name: rng.normal(size=(system.number_of_bodies, 3)) for name in ("force", "torque")}
 
 
-@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, *list(SEQUENCES)[::3]))
+@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, *list(SEQUENCES)[::6]))
 def test_against_truth_and_the_reference(sequence: str) -> None:
     system = tree(sequence, 3)
     given, arrays = inputs(system, 4), system.values()
@@ -80,7 +80,7 @@ def test_against_truth_and_the_reference(sequence: str) -> None:
         assert found[name] == pytest.approx(np.ravel(expected), rel=1e-12, abs=1e-13 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, "1-2-3", "2-1-3", "3-1-3", "2-3-2"))
+@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, "2-1-3", "3-1-3"))
 def test_literal_equations(sequence: str) -> None:
     """The notes' equations in SymPy equal the reference, with locked angles too."""
     system = tree(sequence, 5, JOINTS[:2])
@@ -146,7 +146,9 @@ def test_the_matrices_of_the_notes() -> None:
     ]
 
 
-@pytest.mark.parametrize("other", [name for name in SEQUENCES if name != "1-2-3"])
+@pytest.mark.parametrize(
+    "other", slow_except([name for name in SEQUENCES if name != "1-2-3"], "3-2-1", "3-1-3", "2-3-2")
+)
 def test_other_angles_of_the_same_motion(other: str) -> None:
     """Two sequences, one orientation and one angular velocity: equal poses, energies and accelerations."""
     first, second = (tree(sequence, 9, [FREEDOMS[:3]] * 2) for sequence in ("1-2-3", other))
@@ -190,7 +192,7 @@ def full(angles_only: Any) -> Any:
     return np.concatenate([angles_only, np.zeros_like(angles_only)])
 
 
-@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, *list(SEQUENCES)[1::3]))
+@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, *list(SEQUENCES)[1::6]))
 def test_angular_velocities_as_speeds(sequence: str) -> None:
     """Rates of the angles follow Eq. (9), and angular accelerations equal those from angle rates."""
     rates = tree(sequence, 13, [FREEDOMS[:3]] * 2)

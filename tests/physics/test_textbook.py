@@ -21,6 +21,7 @@ from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.symbols import coordinate, real, speed, torque
+from tests.support.cases import slow_except
 from tests.support.systems import flags, random_system
 
 NOTHING = np.zeros((3, 3))
@@ -213,7 +214,7 @@ def test_planar_chain_has_sums_of_angles() -> None:
     assert weight == Matrix([sympy.expand(-5 * sum(links[k:])) for k in range(4)])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", slow_except(range(5), 0, 3))
 def test_closed_forms_of_random_systems_equal_the_reference(seed: int) -> None:
     """Simplification keeps the values of systems with numbers of 17 digits and turned joint frames."""
     rng = np.random.default_rng(seed)

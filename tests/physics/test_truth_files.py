@@ -15,6 +15,7 @@ from benchmarks.validation import truth
 from kanegen.model.arrays import Floats
 from kanegen.reference import equations as reference
 from tests.support.c_compilers import WARNINGS, C
+from tests.support.cases import slow_among
 from tests.support.paths import ROOT
 
 FILES = ROOT / "docs" / "truth"
@@ -46,7 +47,7 @@ def assert_close(found: Floats, expected: Floats) -> None:
     assert np.abs(found - expected).max() <= CLOSE * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("name", truth.NAMES)
+@pytest.mark.parametrize("name", slow_among(truth.NAMES, "eight_body", "talos_reduced"))
 def test_files_are_those_that_the_module_writes(name: str) -> None:
     assert truth.text(name) == (FILES / f"{name}.json").read_text(encoding="utf-8")
 

@@ -53,7 +53,11 @@ def assert_reduced(system: System, model: pin.Model, several: dict[str, tuple[st
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
-@pytest.mark.parametrize("floating_base", [False, True], ids=["fixed", "floating"])
+@pytest.mark.parametrize(
+    "floating_base",
+    [False, pytest.param(True, marks=pytest.mark.slow)],
+    ids=["fixed", "floating"],
+)
 @pytest.mark.parametrize("path", robot_files(), ids=lambda path: path.stem)
 def test_real_robots(path: Path, floating_base: bool) -> None:
     if path.stem in REFUSED and not (floating_base and path.stem in FLOATING_ONLY):

@@ -47,7 +47,7 @@ def test_trees_with_everything(seed: int) -> None:
     agrees(system, state(system, seed))
 
 
-@pytest.mark.parametrize("kind", prescribed_trees.KINDS)
+@pytest.mark.parametrize("kind", slow_except(prescribed_trees.KINDS, "rates", "sequences"))
 def test_prescribed_motion_is_part_of_the_bias(kind: str) -> None:
     for seed in range(3):
         system = prescribed_trees.tree(kind, seed)

@@ -89,7 +89,7 @@ def some_bodies(prepared: Tree) -> FixedFrameChoice:
 
 
 @pytest.mark.parametrize("choice", [choose, all_bodies, some_bodies])
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", slow_among(MODELS, "mixed 0"))
 def test_the_frame_of_a_column_does_not_matter(
     name: str, choice: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -97,7 +97,7 @@ def test_the_frame_of_a_column_does_not_matter(
     assert error(MODELS[name]()) <= 1e-14
 
 
-@pytest.mark.parametrize("name", slow_among(MODELS, "mixed 1"))
+@pytest.mark.parametrize("name", slow_among(MODELS, "mixed 0", "mixed 1"))
 def test_each_way_saves_operations_where_it_is_taken(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     system = MODELS[name]()
     chosen = choose(tree(system)).bodies

@@ -28,7 +28,7 @@ from kanegen.reference import equations as reference
 from kanegen.reference.contacts import contact_motion
 from kanegen.reference.states import States, random_states
 from tests.support import random_trees, systems
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 from tests.support.chains import hinges
 from tests.support.paths import MODELS
 from tests.support.programs import values
@@ -190,7 +190,7 @@ def robot(name: str) -> tuple[kg.System, pin.Model, Several]:
     return system.with_contacts(FEET[name]), model, several
 
 
-@pytest.mark.parametrize("name", [*FEET])
+@pytest.mark.parametrize("name", slow_among(FEET, "talos_reduced"))
 def test_robots_by_pinocchio(name: str) -> None:
     """[A], {f}, Jacobians and their rates are Pinocchio's, and the equations are solved as a whole."""
     system, model, several = robot(name)
@@ -398,6 +398,7 @@ def test_derivatives() -> None:
             assert found[:, by][:, k] == pytest.approx(total / (12 * step), abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_robot_on_two_feet_costs_no_more_than_it_did() -> None:
     """Operations of accelerations and loads together; the KKT of a trial took 14 701."""
     system, *_ = robot("talos_reduced")

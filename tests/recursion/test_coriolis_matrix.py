@@ -16,7 +16,7 @@ from kanegen.reference import coriolis as reference
 from kanegen.reference import equations
 from kanegen.reference.states import random_states
 from tests.support import prescribed_trees, random_trees, systems
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 from tests.support.couplings import random_couplings, released
 from tests.support.orientation_trees import KINDS, tree_of_kind
 from tests.support.pinocchio_tree import PinocchioTree
@@ -92,7 +92,7 @@ def test_rates_as_speeds_give_christoffel_symbols(seed: int) -> None:
     close(found(system, state), np.array(slopes).T / 2, 1e-12)
 
 
-@pytest.mark.parametrize("kind", prescribed_trees.KINDS)
+@pytest.mark.parametrize("kind", slow_among(prescribed_trees.KINDS, "sequences"))
 def test_prescribed_motion_counts_in_the_rates_of_partial_velocities(kind: str) -> None:
     """[C] is a block of that of the same tree with its prescribed freedoms free; skewness holds."""
     system = prescribed_trees.tree(kind, 1)
@@ -124,7 +124,7 @@ def test_a_free_body() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
-@pytest.mark.parametrize("name", slow_except(FIXED_ROBOTS, "double_pendulum", "panda"))
+@pytest.mark.parametrize("name", slow_except(FIXED_ROBOTS, "double_pendulum", "ur5_robot"))
 def test_robots_against_pinocchio(name: str) -> None:
     """With one freedom a joint Pinocchio computes the same matrix; batches, and single precision."""
     path = robot_file(name)

@@ -72,7 +72,7 @@ def test_energy_changes_by_the_power_of_what_acts(seed: int) -> None:
     assert sum(parts) == pytest.approx(power, abs=1e-12 * (np.abs(parts).sum() + abs(power)))
 
 
-@pytest.mark.parametrize("gravity", [(0, 0, 0), (1, -2, 9)])
+@pytest.mark.parametrize("gravity", [pytest.param((0, 0, 0), marks=pytest.mark.slow), (1, -2, 9)])
 def test_momentum_of_a_floating_tree_changes_by_its_weight_alone(gravity: tuple[float, ...]) -> None:
     rng = np.random.default_rng(3)
     free = systems.random_free(rng, 5)

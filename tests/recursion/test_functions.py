@@ -14,6 +14,7 @@ import pytest
 import kanegen as kg
 from kanegen.errors import KanegenWarning
 from kanegen.options import Variant
+from tests.support.cases import slow_except
 from tests.support.slide import slide
 
 OUTPUTS = ("forcing", "forcing_derivatives")
@@ -35,7 +36,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("text", CASES)
+@pytest.mark.parametrize("text", slow_except(CASES, *list(CASES)[::3]))
 def test_values_in_every_precision_for_one_state_and_in_batches(text: str) -> None:
     system = slide(text)
     for precision in PRECISIONS:
@@ -227,7 +228,7 @@ def test_what_is_undefined_has_a_status(text: str) -> None:
     assert found[1] == 0.0
 
 
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("precision", slow_except(("double", "float"), "double"))
 @pytest.mark.parametrize(
     ("text", "u", "expected"),
     [

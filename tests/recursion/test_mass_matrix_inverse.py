@@ -184,7 +184,7 @@ def test_a_tree_without_an_inverse_is_refused() -> None:
         kg.generate(kg.System("point", (body,)), (NAME,))
 
 
-@pytest.mark.parametrize("solver", ["cheapest", "factorisation"])
+@pytest.mark.parametrize("solver", slow_except(("cheapest", "factorisation"), "cheapest"))
 @pytest.mark.parametrize("together", slow_except((False, True), True))
 def test_no_large_error_is_silent(solver: str, together: bool) -> None:
     """A rod on light links, whose {ydot} is refined, while [A]^-1 beside it is not: it has a status."""

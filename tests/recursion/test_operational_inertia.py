@@ -96,7 +96,7 @@ def solvers(system: kg.System) -> list[str]:
     return ["articulated bodies"] * articulated_bodies_take(system) + ["factorisation"]
 
 
-@pytest.mark.parametrize("seed", slow_except(range(24), *range(4)))
+@pytest.mark.parametrize("seed", slow_except(range(24), *range(2)))
 def test_trees_with_everything(seed: int) -> None:
     system = random_trees.everything(seed, 3)
     if names := movable(system):
@@ -215,7 +215,7 @@ def test_prescribed_motion(kind: str) -> None:
         check(system.with_poses(names[:2]), solver, 2)
 
 
-@pytest.mark.parametrize("name", ["ur5", "rod on light links"])
+@pytest.mark.parametrize("name", slow_except(("ur5", "rod on light links"), "rod on light links"))
 def test_no_large_error_is_silent(name: str, arm: kg.System) -> None:
     """Near singular poses, and where [A] itself is ill-conditioned: reported, or accurate to 1e-12."""
     rng = np.random.default_rng(4)

@@ -55,7 +55,7 @@ def expected(system: kg.System, given: dict[str, np.ndarray]) -> dict[str, np.nd
     return {name: np.array(rows) for name, rows in found.items()}
 
 
-@pytest.mark.parametrize("each", [1, 4])
+@pytest.mark.parametrize("each", slow_except((1, 4), 4))
 @pytest.mark.parametrize("kind", slow_except(KINDS, *KINDS[::2]))
 def test_the_equations_of_the_notes(kind: str, each: int) -> None:
     """One point a body is turned joint by joint, four are turned by the rotation of the body."""

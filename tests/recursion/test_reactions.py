@@ -17,6 +17,7 @@ from kanegen.reference.kinematics import kinematics
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.general_form import steps, with_all_freedoms, with_numbers_as_parameters
 from tests.support import moving_bodies, systems
+from tests.support.cases import slow_among
 from tests.support.orientation_trees import ANGULAR_VELOCITY, mixed, quaternion_state, with_quaternions
 from tests.support.paths import MODELS
 from tests.support.reactions import efforts, reactions, unlocked
@@ -71,7 +72,7 @@ TREES = {
 }
 
 
-@pytest.mark.parametrize("kind", TREES)
+@pytest.mark.parametrize("kind", slow_among(TREES, "parameters", "slides", "hinges", "welded"))
 def test_they_are_efforts_of_the_same_tree_with_nothing_locked(kind: str) -> None:
     for seed in range(3):
         require_right(TREES[kind](seed), seed)

@@ -61,6 +61,7 @@ def test_prescribed_motion(kind: str) -> None:
     agree(prescribed_trees.tree(kind, 2), "forward_dynamics_input_derivatives", 2, WITHIN)
 
 
+@pytest.mark.slow
 def test_next_to_gimbal_lock_of_a_floating_base_no_digits_are_lost() -> None:
     """The angles of the base are those of its file; 2^11 roundoffs of a column, where the solver has 2^8."""
     system = floating(2, "angles")

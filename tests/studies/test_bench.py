@@ -206,7 +206,10 @@ def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
 
 @pytest.mark.parametrize(
     ("code", "reason"),
-    [("raise SystemExit('no such joint')", "no such joint"), ("raise SystemExit(3)", "status 3")],
+    [
+        ("raise SystemExit('no such joint')", "no such joint"),
+        pytest.param("raise SystemExit(3)", "status 3", marks=pytest.mark.slow),
+    ],
 )
 def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path) -> None:
     correct = own(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)

@@ -83,6 +83,7 @@ def test_the_same_seed_finds_the_same_state() -> None:
 
 
 @pytest.mark.parametrize("name", ["double_pendulum", pytest.param("panda_arm", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_the_search_finds_equilibria_whatever_the_seed(name: str) -> None:
     """In equilibrium only the rounding of tau accelerates the tree, and double precision loses that.
 

@@ -419,6 +419,7 @@ def test_regular_speeds_need_no_clearance(tmp_path: Path) -> None:
     assert verify(path, body).passed
 
 
+@pytest.mark.slow
 def test_loads_and_parameters(tmp_path: Path) -> None:
     """The C keeps them; the claim is for the parameters that the domain gives."""
     crane = kg.load(MODELS / "gantry_crane.toml")

@@ -15,12 +15,14 @@ from kanegen.compiler import compile_module
 from kanegen.model.limits import NO_LIMITS
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.tables import markdown
+from tests.support.cases import slow_among
 from tests.support.robots import robot_file
 
 LARGE = {"eight_body", "front_of_eight", "panda_arm", "six_revolute_arm"}
 """Models whose general programs take seconds each."""
 
 SMALL = [model for model in cost_reports.MODELS if model.stem not in LARGE]
+MEDIUM = [model for model in SMALL if model.stem in ("scara", "gantry_crane", "cart_two_poles")]
 FIXED = (False,) * 6
 
 
@@ -40,7 +42,7 @@ def require_current(model: Path) -> None:
     assert index_row(cost_reports.line(model, found)) in written("README.md")
 
 
-@pytest.mark.parametrize("model", SMALL, ids=lambda path: path.stem)
+@pytest.mark.parametrize("model", slow_among(SMALL, *MEDIUM), ids=lambda path: path.stem)
 def test_pages_are_current(model: Path) -> None:
     require_current(model)
 

@@ -78,6 +78,7 @@ def test_python_module_gives_the_values_of_the_reference(
     _run(system, closed, tmp_path)
 
 
+@pytest.mark.slow
 def test_python_module_of_a_big_tree(tmp_path: Path) -> None:
     _run(eight_body(), None, tmp_path)
 
