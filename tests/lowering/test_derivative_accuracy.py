@@ -143,7 +143,7 @@ def _tree(kind: str, rng: np.random.Generator) -> kg.System:
 
 def test_a_derivative_is_reported_where_the_solution_is() -> None:
     """Where {ydot} is singular or not accurate, its derivatives have the same status."""
-    system = rods(1000.0, 8)
+    system = rods(1000.0, 6)
     library = kg.build(
         system, (NAME, "forward_dynamics"), precision="float", tier=Variant(refinement=1, precision="float")
     )

@@ -15,7 +15,7 @@ from kanegen.model.grammar import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT, MAX_O
 from kanegen.reference import expressions
 from kanegen.symbolic.expressions import LONGEST_PART
 from kanegen.symbolic.printing.formats import FORMATS, render
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 
 X = 0.3
 UNIT = 2.0**-53
@@ -67,7 +67,7 @@ DEEP: dict[str, tuple[str, Real]] = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name.endswith("roots") else name for name in DEEP]
+    "name", slow_among(DEEP, "roots", "more roots", "sizes of roots", "tangents of small angles")
 )
 def test_value_and_slope_of_a_deep_expression(name: str) -> None:
     """Tolerance: four times the running error bound of the reference; the code may order operations anew."""
@@ -84,7 +84,7 @@ def test_value_and_slope_of_a_deep_expression(name: str) -> None:
         assert abs(-slope - true_slope) <= 4 * UNIT * bound
 
 
-@pytest.mark.parametrize("name", DEEP)
+@pytest.mark.parametrize("name", slow_among(DEEP, "more roots", "tangents of small angles"))
 def test_literal_derivation_of_a_deep_expression(name: str) -> None:
     """The literal derivation has the same parts by other numbers; lambdify evaluates them in NumPy."""
     system = sliders(kg.Drive("b0.s1", DEEP[name][0]))

@@ -406,7 +406,8 @@ def test_no_gravity(tmp_path: Path) -> None:
 def test_the_command_line(tmp_path: Path) -> None:
     """A model with every kind of element is generated, checked and described; an error is one line."""
     file = tmp_path / "tree.toml"
-    driven(6).save(file)
+    tree = driven(6, 2)
+    tree.save(file)
     runner = CliRunner()
     for command in ("info", "explain", "check", "equations"):
         found = runner.invoke(app, [command, str(file)], catch_exceptions=False)
@@ -414,7 +415,7 @@ def test_the_command_line(tmp_path: Path) -> None:
         if command != "check":
             assert "potential" in found.output or command == "explain"
     elements = json.loads(runner.invoke(app, ["info", str(file), "--json"]).stdout)["force_elements"]
-    assert [one["kind"] for one in elements] == [element.KEY for element in driven(6).force_elements]
+    assert [one["kind"] for one in elements] == [element.KEY for element in tree.force_elements]
     text = file.read_text().replace("sin(w * t)", "exec(w)")
     file.write_text(text)
     refused = kanegen("check", str(file), status=2)

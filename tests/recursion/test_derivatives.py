@@ -122,7 +122,7 @@ def test_compiled_code_and_parameters(name: str) -> None:
 
 
 def test_the_derivative_by_tau_is_the_inverse_of_the_mass_matrix() -> None:
-    system = kg.load(MODELS / "six_revolute_arm.toml")
+    system = kg.load(MODELS / "scara.toml")
     library = kg.build(system, ("forward_dynamics_derivatives", "mass_matrix"))
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, library.n))
     found = library.forward_dynamics_derivatives(x, y)

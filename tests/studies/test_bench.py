@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -52,6 +51,7 @@ from kanegen.studies.bench.settings import (
 )
 from kanegen.studies.bench.states import read_states, without_loads_and_parameters, write_states
 from tests.support import systems
+from tests.support.command import kanegen
 from tests.support.paths import MODELS
 
 TWO_LINKS = systems.chain(2)
@@ -343,11 +343,6 @@ def test_the_default_setting_has_the_flags_of_a_library_that_is_built_here() -> 
     assert (default, portable) == (DEFAULT, PORTABLE), "their names make them the same"
 
 
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    line = [sys.executable, "-m", "kanegen", "bench", *arguments]
-    return subprocess.run(line, capture_output=True, text=True, check=False)
-
-
 @pytest.mark.usefixtures("nothing_installed")
 def test_the_command(tmp_path: Path) -> None:
     model, out = tmp_path / "chain.toml", tmp_path / "out.json"
@@ -376,6 +371,6 @@ def test_the_command(tmp_path: Path) -> None:
 )
 def test_the_command_with_wrong_options(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
     TWO_LINKS.save(tmp_path / "chain.toml")
-    done = command(str(tmp_path / "chain.toml"), *options)
-    assert (done.returncode, done.stdout) == (2, "")
+    done = kanegen("bench", str(tmp_path / "chain.toml"), *options, status=2)
+    assert not done.stdout
     assert done.stderr.startswith(f"error: {message}")
