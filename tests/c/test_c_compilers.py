@@ -33,7 +33,9 @@ def variant(request):
 
 @pytest.mark.parametrize("compiler", C)
 @pytest.mark.parametrize(
-    "folder", slow_among(GENERATED_FOLDERS, GENERATED / "eight_body"), ids=lambda path: path.name
+    "folder",
+    slow_among(GENERATED_FOLDERS, GENERATED / "eight_body", GENERATED / "front_of_eight"),
+    ids=lambda path: path.name,
 )
 def test_the_c_of_every_model_is_clean(compiler, folder, tmp_path):
     for file in (f"{folder.name}.c", f"{folder.name}_batch.c", "main.c"):

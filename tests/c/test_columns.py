@@ -60,7 +60,9 @@ def branched() -> kg.System:
     ],
     ids=lambda variant: f"{variant.precision} {variant.storage}".strip(),
 )
-@pytest.mark.parametrize("longest", [0, inf], ids=["loops in batches", "straight batches"])
+@pytest.mark.parametrize(
+    "longest", [0, pytest.param(inf, marks=pytest.mark.slow)], ids=["loops in batches", "straight batches"]
+)
 @pytest.mark.parametrize(
     "system",
     [branched(), pytest.param(floating(1, "angles"), marks=pytest.mark.slow)],

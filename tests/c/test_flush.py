@@ -66,7 +66,7 @@ def test_a_status_comes_through():
     assert still_here()
 
 
-@pytest.mark.parametrize("compiler", C)
+@pytest.mark.parametrize("compiler", slow_except(C, "gcc"))
 def test_the_c_is_clean(compiler, tmp_path):
     variant = Variant(semantics=FLUSH)
     folder = kg.generate(eight_body(), ("forward_dynamics",), tier=variant).write(tmp_path / "out")

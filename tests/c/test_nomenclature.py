@@ -124,9 +124,9 @@ def test_names_of_speeds_and_coordinates(speeds, coordinates):
     "variant",
     [
         Variant(precision="float"),
-        Variant(precision="long double"),
+        pytest.param(Variant(precision="long double"), marks=pytest.mark.slow),
         Variant(precision="double-double", refinement=1),
-        Variant(storage="float"),
+        pytest.param(Variant(storage="float"), marks=pytest.mark.slow),
         Variant(semantics=(*RELAXED, FLUSH)),
         Variant(solver="factorisation", refinement=2),
         Variant(solver="articulated bodies", refinement=1, without=("fold", "factor")),
@@ -182,7 +182,7 @@ def test_names_of_couplings(solver, every):
 
 
 @pytest.mark.parametrize("refinement", slow_except((0, 1), 1))
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", slow_except(SOLVERS, "articulated bodies"))
 def test_names_of_contacts(solver, refinement):
     """A floating body with a leg, held with its orientation, at a point, and in some directions."""
     floating = [False, True, False, True, True, True]

@@ -21,6 +21,7 @@ from kanegen.library.native.build import Recipe, code, write
 from kanegen.lowering import solution_columns
 from kanegen.program.ir import Instruction, Op, Program
 from tests.support.c_compilers import WARNINGS, C, run
+from tests.support.cases import slow_except
 from tests.support.systems import chain
 
 OUTPUTS = ("forward_dynamics", "forward_dynamics_derivatives", "rollout_rk4")
@@ -93,7 +94,7 @@ def test_a_library_of_pieces_exports_what_that_of_whole_files_does() -> None:
 
 
 @pytest.mark.parametrize("machine", ["portable", pytest.param("multiversioned", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("compiler", C)
+@pytest.mark.parametrize("compiler", slow_except(C, "gcc"))
 def test_no_piece_has_a_warning_and_each_part_is_in_one(compiler: str, machine: str, tmp_path: Path) -> None:
     made = source(machine=machine)
     write(code(made), tmp_path)

@@ -46,7 +46,9 @@ def same_bits(system, compiler, flags, precision="double"):
     assert bits.printed(versions, state, " ".join(C[compiler]), flags) == found
 
 
-@pytest.mark.parametrize(("compiler", "widest"), [("gcc", 512), ("clang", 256)])
+@pytest.mark.parametrize(
+    ("compiler", "widest"), [("gcc", 512), pytest.param("clang", 256, marks=pytest.mark.slow)]
+)
 def test_a_version_has_the_bits_of_portable_code(compiler, widest):
     """Also where the compiler may fuse products and sums, as gcc may by default: the code forbids it."""
     fusing = "-ffp-contract=fast" if compiler == "gcc" else "-ffp-contract=on"

@@ -70,7 +70,7 @@ def test_dynamics_solve_the_equations_of_the_reference(case):
     np.testing.assert_allclose(residual, 0.0, atol=100 * EPSILON * np.abs(right).max())
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", slow_except(CASES, *(case for case in CASES if case != "everything")))
 def test_jacobians_are_the_derivatives_of_the_library_bit_for_bit(case):
     _, library, functions = made(case)
     values = inputs_of(library)

@@ -97,7 +97,7 @@ def test_elements_that_are_defined_everywhere_are_not_named(text: str, is_named:
     assert ("body1.theta3" in message.partition("in this state")[2]) == is_named
 
 
-@pytest.mark.parametrize("variant", slow_except(VARIANTS, "double", "float arrays", "fast"))
+@pytest.mark.parametrize("variant", slow_except(VARIANTS, "double", "fast"))
 @pytest.mark.parametrize("by_rows", [False, True])
 def test_a_result_is_reported_exactly_where_it_is_not_finite(
     variant: str, by_rows: bool, monkeypatch: pytest.MonkeyPatch

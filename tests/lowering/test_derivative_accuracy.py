@@ -18,7 +18,7 @@ from kanegen.program.precision import DOUBLE
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 from tests.support import systems
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 from tests.support.refinement import rods
 
 NAME = "forward_dynamics_derivatives"
@@ -88,7 +88,7 @@ LOCKING = {
 }
 
 
-@pytest.mark.parametrize("name", LOCKING)
+@pytest.mark.parametrize("name", slow_among(LOCKING, "floating arm", "free bodies"))
 @pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-9))
 def test_derivatives_keep_their_accuracy_next_to_gimbal_lock(name: str, distance: float) -> None:
     """Through [A] of the angle rates they would lose 1 / distance^2: 1e-3 at 1e-6, everything at 1e-8."""

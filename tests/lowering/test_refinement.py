@@ -119,7 +119,7 @@ def test_overflow_is_reported_as_inaccurate() -> None:
         library.forward_dynamics(x, np.full(8, 1e12))
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", slow_except(SOLVERS, "articulated bodies"))
 @pytest.mark.parametrize(
     "make",
     [

@@ -24,6 +24,8 @@ from tests.support.programs import values
 
 DYNAMICS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics", "kinetic_energy", "momentum")
 SOLVERS = ("factorisation", "articulated bodies")
+QUICK = [(name, "factorisation", 0) for name in list(motors.CASES)[::2]]
+"""Cases that run on every change."""
 Floats = Any
 
 
@@ -43,7 +45,7 @@ def test_the_reference_against_a_tree_in_which_rotors_are_bodies(name: str) -> N
 @pytest.mark.parametrize(
     ("name", "solver", "refinement"),
     [
-        pytest.param(*one, marks=[] if one[1:] == ("factorisation", 0) else pytest.mark.slow)
+        pytest.param(*one, marks=[] if one in QUICK else pytest.mark.slow)
         for one in product(motors.CASES, SOLVERS, (0, 1))
     ],
 )

@@ -214,7 +214,7 @@ def test_planar_chain_has_sums_of_angles() -> None:
     assert weight == Matrix([sympy.expand(-5 * sum(links[k:])) for k in range(4)])
 
 
-@pytest.mark.parametrize("seed", slow_except(range(5), 0, 3))
+@pytest.mark.parametrize("seed", slow_except(range(5), 3))
 def test_closed_forms_of_random_systems_equal_the_reference(seed: int) -> None:
     """Simplification keeps the values of systems with numbers of 17 digits and turned joint frames."""
     rng = np.random.default_rng(seed)

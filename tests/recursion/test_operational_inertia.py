@@ -207,7 +207,7 @@ def test_batches_of_trees_with_parameters() -> None:
         assert (error <= roundoff * condition(model, states)[:, None]).all()
 
 
-@pytest.mark.parametrize("kind", slow_except(prescribed_trees.KINDS, *prescribed_trees.KINDS[::2]))
+@pytest.mark.parametrize("kind", slow_except(prescribed_trees.KINDS, *prescribed_trees.KINDS[::4]))
 def test_prescribed_motion(kind: str) -> None:
     trees = (prescribed_trees.tree(kind, seed) for seed in range(8))
     system, names = next((tree, names) for tree in trees if (names := movable(tree)))

@@ -32,7 +32,7 @@ WITHIN = 1e-12
 """Share of the largest derivative: rounding of constants, which both ways have as doubles."""
 
 
-@pytest.mark.parametrize("name", [NAME, "forward_dynamics_input_derivatives"])
+@pytest.mark.parametrize("name", slow_except((NAME, "forward_dynamics_input_derivatives"), NAME))
 @pytest.mark.parametrize("kind", slow_except(("angles", "angular velocity", "quaternion"), "quaternion"))
 @pytest.mark.parametrize("seed", slow_except(range(4), 1))
 def test_floating_bases(seed: int, kind: str, name: str) -> None:

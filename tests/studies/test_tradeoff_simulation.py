@@ -32,6 +32,7 @@ from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.tables import simulation_rows
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.support import systems
+from tests.support.cases import slow_except
 from tests.support.tradeoff_times import ignore_stage, times_from_operations
 
 HINGES = systems.chain(2, ["theta3"])
@@ -121,7 +122,11 @@ def test_a_simulation_that_fails_has_an_infinite_error() -> None:
     assert simulation.run_integration(way, kg.build(HINGES, (OUTPUT,)), None) == (np.inf, 0)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("variant", PRECISIONS, ids=lambda v: f"{v.precision} {v.storage} {v.sincos}")
+@pytest.mark.parametrize(
+    "variant",
+    slow_except(PRECISIONS, *PRECISIONS[1::2]),
+    ids=lambda v: f"{v.precision} {v.storage} {v.sincos}",
+)
 def test_every_precision_is_measured_and_timed(variant: Variant) -> None:
     """The measured error is about u, down to 1e-30, and the timing driver computes the same numbers."""
     system = systems.chain(1, FREEDOMS)

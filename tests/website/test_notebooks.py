@@ -46,6 +46,7 @@ def run(name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[dict[str, Any], lis
     return space, shown
 
 
+@pytest.mark.slow
 def test_the_eight_bodies(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     space, shown = run("eight-bodies", monkeypatch)
     assert "8 bodies, 48 freedoms" in shown[0]["text/html"]
@@ -70,6 +71,7 @@ def test_from_a_robot_file_to_c(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert "passed" in shown[-2]["text/html"]
 
 
+@pytest.mark.slow
 def test_speed_against_accuracy(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     space, shown = run("speed-and-accuracy", monkeypatch)
     assert "C in single precision" in shown[1]["text/html"]
