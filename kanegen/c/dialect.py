@@ -101,9 +101,18 @@ class Dialect:
         return notation(self.arithmetic)
 
     @property
-    def has_vector_sincos(self) -> bool:
-        """Whether sines and cosines of many coordinates may be computed in SIMD lanes."""
-        return self.has_lanes and self.kanegen_sincos and self.formats.every == (self.arithmetic,)
+    def vector_sincos(self) -> str:
+        """Name of the function that computes sines and cosines of several coordinates, "" without one."""
+        has_any = self.has_lanes and self.kanegen_sincos and self.formats.every == (self.arithmetic,)
+        return "simd_vector_sincos" if has_any else ""
+
+    @property
+    def spread(self) -> int:
+        """Most elements for each angle, whatever lies between, of which `vector_sincos` computes sines.
+
+        Two lanes hold two angles in the time of one.
+        """
+        return 2
 
     @property
     def has_columns_in_lanes(self) -> bool:
@@ -289,9 +298,14 @@ class SimdDialect(Dialect):
         return super().reserved | functions | _RESERVED_SIMD
 
     @property
-    def has_vector_sincos(self) -> bool:
-        """False: the lanes hold several states already."""
-        return False
+    def vector_sincos(self) -> str:
+        """Name of the function that computes sines and cosines of several coordinates in all lanes."""
+        return "simd_sincos"
+
+    @property
+    def spread(self) -> int:
+        """One element for each angle: another would take the time of an angle."""
+        return 1
 
     @property
     def has_columns_in_lanes(self) -> bool:
@@ -314,7 +328,7 @@ class SimdDialect(Dialect):
 
     def sincos(self, angle: str, sine: str, cosine: str) -> str:
         """Return the call that sets `sine` and `cosine` to those of `angle` in all lanes."""
-        return f"simd_sincos(&{angle}, &{sine}, &{cosine});"
+        return f"simd_sincos(1, &{angle}, &{sine}, &{cosine});"
 
     def everywhere(self, text: str) -> str:
         """Return an expression that is the same in all states as one of type `number`."""

@@ -16,13 +16,17 @@ from kanegen.c import usage
 from kanegen.c.dialect import ELEMENTARY, SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
-from kanegen.c.vector_sincos import NAMES, vector_sincos
+from kanegen.c.vector_sincos import NAMES, VectorSincos, vector_sincos
 from kanegen.program.ir import PREPARED, WORKSPACE, Array, Instruction, Op, Program
 from kanegen.program.precision import Precision
 
 NEAR = (WORKSPACE, PREPARED)
 """Arrays of many elements, which are read where they are used: compilers load what is read early, and leave
 it in memory once more until it is used."""
+
+MOST_IN_LANES = 24
+"""Most angles of which a batch computes sines and cosines at once; with more, it takes longer to reach them than
+the single call saves."""
 
 LONGEST = 16
 """Most operations in one expression; longer expressions are cut by numbered locals."""
@@ -60,6 +64,20 @@ def body(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = 
     return Body(printer.lines(), frozenset(printer.locals), printer.status)
 
 
+def sines_at_once(program: Program, dialect: Dialect, shared: Collection[str]) -> VectorSincos | None:
+    """Return the sines and cosines that one call computes first, None without such a call.
+
+    Args:
+        program: The program to print.
+        dialect: Notation of the statements.
+        shared: Names of inputs that all states have in common; a batch takes their sines by themselves.
+    """
+    if not dialect.vector_sincos:
+        return None
+    found = vector_sincos(program, dialect.spread, () if dialect.is_scalar else shared)
+    return None if found and not dialect.is_scalar and found.count > MOST_IN_LANES else found
+
+
 class _Printer:
     """The statements so far, and for every value the expression by which later statements refer to it."""
 
@@ -69,7 +87,7 @@ class _Printer:
         self._instructions = program.instructions
         self._live = usage.live(program)
         self._uses = Counter(j for i in self._live for j in program.instructions[i].operands)
-        self._sincos = vector_sincos(program) if dialect.has_vector_sincos else None
+        self._sincos = sines_at_once(program, dialect, shared)
         self._only_sincos = self._sincos.only(program) if self._sincos else frozenset()
         self._zeros = usage.zero_runs(program)
         self._places = usage.places(program, self._zeros, dialect.places)
@@ -104,7 +122,7 @@ class _Printer:
         for run in self._zeros:
             self._lines.append(f"    {run.loop(self._dialect.number_in(run.array.name, 0.0))}")
         if self._sincos:
-            self._lines += self._sincos.lines(self._dialect.number)
+            self._lines += self._sincos.lines(self._dialect.number, self._dialect.vector_sincos)
         for i in self._live:
             if self._is_read_first(i):
                 self._define(i)

@@ -24,13 +24,12 @@ from kanegen.c.declarations import (
     simd_prototype,
 )
 from kanegen.c.dialect import ELEMENTARY, Dialect, simd
-from kanegen.c.function_body import body
+from kanegen.c.function_body import body, sines_at_once
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.pieces import Part
 from kanegen.c.simd import SIMD
 from kanegen.c.target import BatchFunction, RenderInput, Target
-from kanegen.c.vector_sincos import vector_sincos
 from kanegen.program.ir import Array, Op, Program
 from kanegen.program.precision import DOUBLE_DOUBLE, Precision
 
@@ -47,7 +46,7 @@ class Code:
         body: Lines between its braces.
         parts: Lines of prototype and body of each function that it calls in turn; those that solve for
             columns in loops come last.
-        vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
+        vector_sincos: Most angles whose sines and cosines one part computes by one call.
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
         part_locals: Number of numbers that the locals of each part hold.
@@ -234,7 +233,7 @@ def code(
         flushes: Whether subnormal numbers count as zero in the function. All arithmetic is then in parts, so
             that a compiler cannot move it across the changes of mode.
     """
-    found = [vector_sincos(part) for part in programs] if dialect.has_vector_sincos else []
+    found = [sines_at_once(part, dialect, function.shared) for part in programs]
     takes_sines = any(map(usage.has_sines, programs))
     has_sines = dialect.kanegen_sincos and takes_sines
     most = max((sincos.count for sincos in found if sincos), default=0)
@@ -242,7 +241,7 @@ def code(
     names = frozenset(name for one in bodies for name in one.locals)
     held = tuple(
         len(one.locals) + (2 * vector.count if vector else 0)
-        for one, vector in zip(bodies, found or [None] * len(bodies), strict=True)
+        for one, vector in zip(bodies, found, strict=True)
     )
     called = (*ELEMENTARY, Op.ABS) if dialect.arithmetic is DOUBLE_DOUBLE else ELEMENTARY
     elementary = any(usage.has_operations(part, called) for part in programs)

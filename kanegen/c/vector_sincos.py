@@ -1,21 +1,21 @@
-"""Sines and cosines of several coordinates of one state, computed in SIMD lanes.
+"""Sines and cosines of several coordinates, computed by one call.
 
-Where a function needs sine and cosine of several elements of one array, it computes them side by side before
-anything else. Computed one by one they would be a large part of the cost of the equations.
+Where a function needs sine and cosine of several elements of one array, it computes them before anything else.
+The lanes of a vector hold several angles of one state; in a batch they hold one angle of several states, and
+a call for all angles tests once whether an angle is large. Computed one by one they would be a large part of
+the cost of the equations.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from kanegen.c.usage import live
 from kanegen.program.ir import WORKSPACE, Op, Program
 
 FEWEST = 2
-"""Number of angles from which the vector form is faster."""
-
-SPREAD = 2
-"""Elements for each angle up to which the vector form is no slower with two lanes, whatever lies between."""
+"""Number of angles from which one call is faster."""
 
 NAMES = {Op.SIN: "sines", Op.COS: "cosines"}
 """The local arrays that hold the results."""
@@ -40,13 +40,18 @@ class VectorSincos:
         """Number of angles."""
         return self.stop - self.start
 
-    def lines(self, number: str) -> list[str]:
-        """Return the statements that compute all sines and cosines, with elements of type `number`."""
+    def lines(self, number: str, function: str) -> list[str]:
+        """Return the statements that compute all sines and cosines.
+
+        Args:
+            number: Type of each.
+            function: Name of the function that computes them.
+        """
         angles = f"{self.array} + {self.start}" if self.start else self.array
         sines, cosines = NAMES.values()
         return [
             f"    {number} {sines}[{self.count}], {cosines}[{self.count}];",
-            f"    simd_vector_sincos({self.count}, {angles}, {sines}, {cosines});",
+            f"    {function}({self.count}, {angles}, {sines}, {cosines});",
         ]
 
     def element(self, op: Op, array: str, index: int) -> str | None:
@@ -66,17 +71,23 @@ class VectorSincos:
         return frozenset(taken - other)
 
 
-def vector_sincos(program: Program) -> VectorSincos | None:
-    """Return the sines and cosines to compute at once; None if there are too few near each other."""
+def vector_sincos(program: Program, spread: int, shared: Collection[str]) -> VectorSincos | None:
+    """Return the sines and cosines to compute at once; None if there are too few near each other.
+
+    Args:
+        program: The program.
+        spread: Most elements of the array, whatever lies between, for each angle.
+        shared: Arrays whose elements are not taken.
+    """
     angles: dict[str, set[int]] = {}
     for i in live(program):
         instruction = program.instructions[i]
         if instruction.op in NAMES:
             angle = program.instructions[instruction.operands[0]]
-            if angle.op is Op.INPUT and angle.array != WORKSPACE:
+            if angle.op is Op.INPUT and angle.array not in (WORKSPACE, *shared):
                 angles.setdefault(angle.array, set()).add(angle.index)
     for array, indices in angles.items():
         found = VectorSincos(array, min(indices), max(indices) + 1)
-        if len(indices) >= FEWEST and found.count <= SPREAD * len(indices):
+        if len(indices) >= FEWEST and found.count <= spread * len(indices):
             return found
     return None

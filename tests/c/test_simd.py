@@ -54,7 +54,7 @@ def test_sine_and_cosine_of_an_angle_come_from_one_call():
     assert body(make)[4:] == [
         "const simd t1 = a + b;",
         "simd t2, C_1;",
-        "simd_sincos(&t1, &t2, &C_1);",
+        "simd_sincos(1, &t1, &t2, &C_1);",
         "f[0] = C_1*simd_sin(c);",
         "f[1] = t2;",
     ]
