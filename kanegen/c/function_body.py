@@ -25,7 +25,7 @@ NEAR = (WORKSPACE, PREPARED)
 it in memory once more until it is used."""
 
 MOST_IN_LANES = 24
-"""Most angles of which a batch computes sines and cosines at once; with more, it takes longer to reach them than
+"""Most angles of which a batch computes sines and cosines at once; with more, reaching them takes longer than
 the single call saves."""
 
 LONGEST = 16

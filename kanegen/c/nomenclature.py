@@ -13,8 +13,10 @@ from kanegen.recursion.legend import legend
 _NUMBERED = re.compile(r"t\d+_*")
 _DECLARATION = re.compile(r"^ {4}(?:const )?(?:long double|double|float|int) .*;$", flags=re.MULTILINE)
 
+SINES = ("sines, cosines", "sines and cosines of several coordinates, computed at once")
+"""Names of sines and cosines that one call computes, for one state or in the lanes of a batch."""
+
 PRINTED = (
-    ("sines, cosines", "sines and cosines of several coordinates, computed at once"),
     ("w", "numbers that one part of a function leaves for later parts"),
     ("failed", "place in x, from 1, of the first freedom whose condition fails"),
     ("inaccurate", "minus the place of the freedom with the least margin, where that is not positive"),
@@ -81,6 +83,8 @@ def nomenclature(functions: Collection[PrintedFunction], steps: str = "") -> Nom
     numbered = {name for name in names if _NUMBERED.fullmatch(name)}
     found = legend(names - numbered)
     further = [("t1, t2, ...", "parts of longer expressions")] if numbered else []
+    at_once = any(code.vector_sincos for f in functions for code in (f.code, f.simd_code))
+    further += [SINES] if at_once else []
     lines = "\n".join([*(line for f in functions for line in _scalar_lines(f)), steps])
     further += [(name, meaning) for name, meaning in PRINTED if _declares(lines, name)]
     further += [(name, meaning) for name, meaning in OF_STEPS if _occurs(steps, name)]

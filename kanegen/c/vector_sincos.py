@@ -1,9 +1,9 @@
 """Sines and cosines of several coordinates, computed by one call.
 
-Where a function needs sine and cosine of several elements of one array, it computes them before anything else.
-The lanes of a vector hold several angles of one state; in a batch they hold one angle of several states, and
-a call for all angles tests once whether an angle is large. Computed one by one they would be a large part of
-the cost of the equations.
+Where a function needs sine and cosine of several elements of one array, it computes them before the rest. The
+lanes of a vector hold several angles of one state; in a batch they hold one angle of several states, and a
+call for all angles tests once whether an angle is large. Computed one by one they are a large part of the
+cost of the equations.
 """
 
 from __future__ import annotations
