@@ -196,7 +196,7 @@ def test_a_model_must_not_hide_a_header(name):
 SPECIAL = [0.0, -0.0, 1.0, -2.5, 1e300, -1e-300, 5e-324, math.inf, -math.inf, math.nan]
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=30, deadline=None, derandomize=True)
 @given(programs(), st.lists(st.tuples(*[st.sampled_from(SPECIAL) | st.floats()] * 3), min_size=4, max_size=4))
 def test_c_computes_the_same_bits_as_the_instructions_one_by_one(program, states):
     libm = Variant(sincos="libm")

@@ -126,6 +126,7 @@ def test_where_the_solution_does_not_exist_all_elements_are_nan(
 
 
 @pytest.mark.parametrize("links", slow_except((8, 16, 24), 8))
+@pytest.mark.slow
 def test_code_is_linear_in_the_number_of_pairs_of_freedoms(
     links: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -85,6 +85,7 @@ def test_the_readme_lists_freedoms_loads_and_parameters(generated):
     assert "kanegen claims no rights in generated code" in readme
 
 
+@pytest.mark.slow
 def test_equal_input_gives_equal_bytes_whatever_the_hash_seed():
     code = "from tests.support.handmade import source; print(*source().files.values())"
     texts = {

@@ -42,9 +42,11 @@ NONE = ((0.0, 0.0, 0.0),) * 3
 
 LINEAR = (
     "A", "f", "generalized_force", "reaction_loads", "kinetic_energy", "potential_energy",
-    "forcing_derivatives", "inverse_dynamics_derivatives",
 )  # fmt: skip
 """Arrays that are linear in masses and inertias."""
+
+SLOPES = ("forcing_derivatives", "inverse_dynamics_derivatives")
+"""Derivatives that are, too."""
 
 MOTIONS = (
     "body_poses",
@@ -73,8 +75,8 @@ def with_masses_of(system: kg.System, keep: Callable[[int], bool]) -> kg.System:
     return replace(system, bodies=bodies)
 
 
-def results(system: kg.System, seed: int) -> dict[str, Any]:
-    """Return the outputs that are compared, in a state that depends on the seed alone."""
+def results(system: kg.System, seed: int, compared: tuple[str, ...]) -> dict[str, Any]:
+    """Return the outputs with arrays `compared`, in a state that depends on the seed alone."""
     rng = np.random.default_rng(seed)
     n = len(system.freedoms)
     given: dict[str, Any] = {"x": rng.uniform(-1, 1, len(system.coordinates)), "t": [0.4]}
@@ -82,21 +84,23 @@ def results(system: kg.System, seed: int) -> dict[str, Any]:
     given |= {name: rng.normal(size=(system.number_of_bodies, 3)) for name in ("force", "torque")}
     given |= {name: rng.normal(size=(len(system.points), 3)) for name in ("point_force", "point_moment")}
     given["parameters"] = [parameter.value for parameter in system.parameters]
-    compared = {*LINEAR, *MOTIONS, "momentum"}
     names = tuple(name for name in available(system) if OUTPUTS[name].array(system).name in compared)
     return values(system, names, given)
 
 
+@pytest.mark.parametrize(
+    "linear", [LINEAR, pytest.param((*LINEAR, *SLOPES), marks=pytest.mark.slow)], ids=["values", "slopes"]
+)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_outputs_are_those_of_the_masses(seed: int) -> None:
+def test_outputs_are_those_of_the_masses(seed: int, linear: tuple[str, ...]) -> None:
     """The numbers of a tree are those of its even and of its odd bodies, less those without mass."""
     tree = without_motors(random_trees.everything(seed)).map_numbers(value_of)
     whole, even, odd, none = (
-        results(with_masses_of(tree, keep), seed)
+        results(with_masses_of(tree, keep), seed, (*linear, *MOTIONS, "momentum"))
         for keep in (lambda k: True, lambda k: k % 2 == 0, lambda k: k % 2 == 1, lambda k: False)
     )
-    assert set(LINEAR) <= set(whole) and set(MOTIONS) <= set(whole)
-    for name in LINEAR:
+    assert set(linear) <= set(whole) and set(MOTIONS) <= set(whole)
+    for name in linear:
         size = max(np.abs(found[name]).max() for found in (whole, even, odd, none))
         difference = np.abs(even[name] + odd[name] - none[name] - whole[name]).max()
         assert difference <= 1e-11 * size, name

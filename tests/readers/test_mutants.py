@@ -65,7 +65,7 @@ KINDS = {
     "expression": of_expression,
     "arrays": of_arrays,
 }
-QUICK = {"toml": 60, "urdf": 100, "mjcf": 60, "expression": 300, "arrays": 300}
+QUICK = {"toml": 50, "urdf": 50, "mjcf": 50, "expression": 150, "arrays": 150}
 """Number of mutants of each kind that every change must pass."""
 
 SLOW = {"toml": 4000, "urdf": 5000, "mjcf": 2000, "expression": 8000, "arrays": 8000}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kanegen.errors import KanegenWarning, WriteError
@@ -169,6 +169,7 @@ def any_system(draw: st.DrawFn) -> System:
     return System(draw(st.sampled_from(["tree", "A_2"])), tuple(bodies), draw(vector))
 
 
+@settings(max_examples=40)
 @given(system=any_system())
 def test_saving_and_loading_gives_an_equal_system(
     system: System, tmp_path_factory: pytest.TempPathFactory

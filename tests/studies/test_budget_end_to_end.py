@@ -381,6 +381,7 @@ def test_bounds_by_state_are_never_below_errors(yardstick: str) -> None:
         assert np.median(bounds[:10] / errors[:10]) < (1e2 if precision == "double" else 10)
 
 
+@pytest.mark.slow
 def test_a_budget_in_units(tmp_path: Path) -> None:
     found = certify_variant(
         MODEL, read_region(BOX, MODEL), request(error=1e-9, relative_to="units"), CANDIDATES
@@ -401,6 +402,7 @@ def test_a_budget_in_units(tmp_path: Path) -> None:
     assert found.choice.validation.errors.max() == pytest.approx(off.max(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_batches_are_measured_as_batches(tmp_path: Path) -> None:
     found = certify_variant(
         MODEL, read_region(BOX, MODEL), request(error=1e-9, objective="batch"), CANDIDATES
@@ -409,6 +411,7 @@ def test_batches_are_measured_as_batches(tmp_path: Path) -> None:
     assert verify(found.source.write(tmp_path / "out") / FILE).passed
 
 
+@pytest.mark.slow
 def test_regular_speeds_need_no_clearance(tmp_path: Path) -> None:
     """A free body over all orientations, through gimbal lock."""
     body = kg.load(MODELS / "free_body.toml").with_speeds("angular_velocity")
