@@ -87,7 +87,7 @@ def require_same_bits(
 @pytest.mark.parametrize(
     ("model", "count", "choices"),
     [
-        ("panda_arm", 33, {}),
+        pytest.param("panda_arm", 33, {}, marks=pytest.mark.slow),
         ("double_pendulum", 129, {"precision": "float"}),
         ("satellite", 7, {"tier": Variant(precision="float", storage="double")}),
     ],

@@ -13,7 +13,7 @@ from kanegen.recursion.legend import Entry, entries, expression, legend, shown
 from kanegen.recursion.meanings import FREEDOMS, MARKS, PLACES
 from kanegen.recursion.outputs import INTEGRATORS, available
 from tests.support import systems
-from tests.support.cases import slow_except
+from tests.support.cases import slow_among, slow_except
 from tests.support.chains import hinges
 from tests.support.paths import MODEL_FILES, MODELS
 
@@ -85,7 +85,9 @@ def check(source):
             assert any(regex.fullmatch(part) for name in names for part in name.split("_")), line
 
 
-@pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", slow_among(MODEL_FILES, MODELS / "eight_body.toml"), ids=lambda path: path.stem
+)
 def test_names_of_the_equations(path):
     check(kg.generate(kg.load(path), EQUATIONS))
 

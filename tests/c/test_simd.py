@@ -78,7 +78,7 @@ def test_what_is_the_same_in_all_states_is_a_double():
 SPECIAL = [0.0, -0.0, 1e300, 5e-324, np.inf, np.nan]
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(
     programs([*EXACT, Op.SQRT]),
     st.sampled_from(WIDTHS),

@@ -28,7 +28,7 @@ X87 = ("-target", "x86-linux-musl", "-mcpu=pentium2")
 """32-bit x86 whose numbers are computed by x87 instructions, with 64 bits or, where a mode says so, fewer."""
 
 
-@pytest.fixture(params=slow_except(targets.VARIANTS, "double", "float", "double-double"))
+@pytest.fixture(params=slow_except(targets.VARIANTS, "double", "double-double"))
 def folder(request, tmp_path):
     """Return the C of a chain of hinges and slides, with every header that the variant has."""
     system = systems.chain(2, ("theta1", "s2"))

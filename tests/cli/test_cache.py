@@ -96,7 +96,13 @@ def test_an_interrupted_import(tmp_path: Path, module: str, answer: str) -> None
     assert (process.returncode, printed) == (130, ("", "interrupted\n"))
 
 
-@pytest.mark.parametrize(("number", "word"), [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated")])
+@pytest.mark.parametrize(
+    ("number", "word"),
+    [
+        (signal.SIGINT, "interrupted"),
+        pytest.param(signal.SIGTERM, "terminated", marks=pytest.mark.slow),
+    ],
+)
 def test_an_interrupted_compiler(tmp_path: Path, number: signal.Signals, word: str) -> None:
     """Ctrl-C while two files are compiled: the compilers are killed, and the cache holds nothing half."""
     compiler = tmp_path / "cc"

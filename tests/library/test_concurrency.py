@@ -143,6 +143,7 @@ X, Y = [0.1, 0.2], [0.3, 0.4]
 VARIANTS = [(parameters, loads) for parameters in (True, False) for loads in (True, False)]
 
 
+@pytest.mark.slow
 def test_concurrent_builds_give_right_results(folder: Path, tmp_path: Path) -> None:
     outcomes = run(compile_a_library(), workers=3, kills=8, builds=5, longest=1.5, log=tmp_path / "log")
     require_clean(outcomes, folder)

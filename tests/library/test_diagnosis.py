@@ -41,7 +41,7 @@ def built(system: kg.System, outputs: tuple[str, ...] = OUTPUTS, **choices: obje
     ("ratio", "precision", "solver"),
     [
         pytest.param(100.0, "double", "articulated bodies", marks=pytest.mark.slow),
-        (30.0, "double", "factorisation"),
+        pytest.param(30.0, "double", "factorisation", marks=pytest.mark.slow),
         pytest.param(1.0, "float", "factorisation", marks=pytest.mark.slow),
         (30.0, "float", "articulated bodies"),
     ],
@@ -85,6 +85,7 @@ def test_the_estimate_is_the_difference_that_a_step_makes(solver: str) -> None:
     assert (np.abs(np.abs(refined - plain) - estimate) <= 2.0**-50 * size).all()
 
 
+@pytest.mark.slow
 def test_the_estimate_shares_the_solution() -> None:
     system = systems.chain(4)
     alone, both = (

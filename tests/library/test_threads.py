@@ -11,6 +11,7 @@ import pytest
 from kanegen.errors import KanegenWarning
 from kanegen.library import load
 from kanegen.library.native import cache, commands, compilers
+from tests.support.cases import slow_except
 from tests.support.handmade import bits, many_states, source
 from tests.support.paths import ROOT
 from tests.support.pivot_programs import source_with_pivots
@@ -156,7 +157,7 @@ OPENMP = """
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
-@pytest.mark.parametrize("way", ["fork", "pool", "late"])
+@pytest.mark.parametrize("way", slow_except(("fork", "pool", "late"), "fork", "late"))
 def test_a_forked_process_does_not_wait_for_threads_that_it_has_not(way):
     """Its batches use one thread and have the same bits; the first process keeps its threads.
 

@@ -179,6 +179,7 @@ def _unit(x: np.ndarray, places: list[int]) -> np.ndarray:
     return result
 
 
+@pytest.mark.slow
 def test_eight_bodies_in_every_orientation() -> None:
     """Nothing is lost where cos(theta2) = 0, since [A] and {xdot} hold no angles."""
     system = systems.eight_body().with_coordinates("quaternion")

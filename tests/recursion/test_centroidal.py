@@ -116,6 +116,7 @@ def test_bodies_without_mass_have_angular_momentum_alone() -> None:
     assert not found["centroidal_momentum_bias"].any()
 
 
+@pytest.mark.slow
 def test_together_they_share_intermediates() -> None:
     """With [A] and with the momentum the matrix costs less than alone."""
     system = systems.eight_body(loads=False)

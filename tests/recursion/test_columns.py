@@ -89,7 +89,7 @@ def some_bodies(prepared: Tree) -> FixedFrameChoice:
 
 
 @pytest.mark.parametrize("choice", [choose, all_bodies, some_bodies])
-@pytest.mark.parametrize("name", slow_among(MODELS, "mixed 0"))
+@pytest.mark.parametrize("name", slow_among(MODELS, "mixed 0", "gimbals", "tilted gimbals"))
 def test_the_frame_of_a_column_does_not_matter(
     name: str, choice: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:

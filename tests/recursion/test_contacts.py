@@ -405,6 +405,7 @@ def test_a_robot_on_two_feet_costs_no_more_than_it_did() -> None:
     assert compile_module(system, OUTPUTS).cost <= 13_726
 
 
+@pytest.mark.slow
 def test_each_output_costs_itself() -> None:
     """Loads need no pass outward, and accelerations no turn to inertial components."""
     system, *_ = robot("solo12")

@@ -128,6 +128,7 @@ def test_a_wrong_variant_is_not_timed(monkeypatch: pytest.MonkeyPatch, still: No
     assert "| factorisation, -O0 | wrong |" in markdown(found)
 
 
+@pytest.mark.slow
 def test_documents_are_the_same_but_for_times(still: None) -> None:
     one, two = (study(HINGES, QUICK, ignore_stage, variants=few()) for _ in range(2))
     assert markdown(one) == markdown(two)
