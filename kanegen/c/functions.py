@@ -129,9 +129,7 @@ def printed_functions(render_input: RenderInput, target: Target) -> list[Printed
         # `prepare` computes at least in double; its results are never rounded to the precision of storage.
         is_uniform = function.name != PREPARE or formats.every == (formats.preparing,)
         batch = render_input.batch_programs[function.name]
-        has_simd = (
-            render_input.batches and batch.function.fits_simd and formats.arithmetic in SIMD and is_uniform
-        )
+        has_simd = render_input.batches and batch.fits_simd and formats.arithmetic in SIMD and is_uniform
         one = scalar_code(render_input, target, function, parts)
         several = _simd_code(render_input, name, batch) if has_simd else None
         found.append(printed_function(render_input, function, one, several, batch if has_simd else None))

@@ -29,6 +29,11 @@ LARGEST_BATCH_ROW = 16384
 128 KiB a lane. A function with more evaluates its batch state by state."""
 
 
+def fit_simd(numbers: int) -> bool:
+    """Return whether so many numbers of a state leave room for several states side by side on the stack."""
+    return numbers <= LARGEST_BATCH_ROW
+
+
 @dataclass(frozen=True)
 class Loops:
     """An output that loops compute from values in the workspace.
@@ -99,7 +104,7 @@ class Function:
     @property
     def fits_simd(self) -> bool:
         """Whether the arrays of a state are small enough to evaluate several states side by side."""
-        return self.numbers <= LARGEST_BATCH_ROW
+        return fit_simd(self.numbers)
 
     @property
     def looped(self) -> tuple[Array, ...]:

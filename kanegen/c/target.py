@@ -15,7 +15,14 @@ from typing import Protocol, runtime_checkable
 from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import Dialect
 from kanegen.c.formats import Formats, formats
-from kanegen.c.interface import Footprint, Function, prepared_names, requested, signatures
+from kanegen.c.interface import (
+    Footprint,
+    Function,
+    fit_simd,
+    prepared_names,
+    requested,
+    signatures,
+)
 from kanegen.c.pieces import number_of_pieces
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
@@ -37,11 +44,23 @@ class BatchFunction:
         function: The function; its matrices may hold every value once.
         parts: Its programs in order.
         places: For the name of each matrix that holds every value once, place of the value of each element.
+        copied: Numbers of a state that are copied on their way, because arrays have another precision.
     """
 
     function: Function
     parts: tuple[Program, ...]
     places: Mapping[str, tuple[int, ...]]
+    copied: int = 0
+
+    @property
+    def numbers(self) -> int:
+        """Number of numbers on the stack for one state."""
+        return self.function.numbers + self.copied
+
+    @property
+    def fits_simd(self) -> bool:
+        """Whether these are few enough to compute several states side by side."""
+        return fit_simd(self.numbers)
 
 
 @dataclass(frozen=True)
@@ -96,10 +115,19 @@ class RenderInput:
         module = replace(module, functions={**module.functions, **programs})
         printed = signatures(module, self.longest_part, self.parameters_by_state, self.batches)
         places = {name: found[name].places for name in programs}
+        is_mixed = self.formats.is_mixed
         return {
-            function.name: BatchFunction(function, parts, places.get(function.name, {}))
-            for function, parts in printed.items()
+            function.name: BatchFunction(
+                function, parts, places.get(function.name, {}), self._copied(whole) if is_mixed else 0
+            )
+            for whole, (function, parts) in zip(self.programs, printed.items(), strict=True)
         }
+
+    @staticmethod
+    def _copied(function: Function) -> int:
+        """Return the number of numbers of a state in the rows of arrays that a function reads or fills."""
+        arrays = (*function.inputs, *function.outputs)
+        return sum(array.size for array in arrays if array.name not in function.shared)
 
     @property
     def _of_steps(self) -> set[str]:
@@ -163,10 +191,14 @@ class RenderInput:
         simd = self.simd
         if simd is None:
             return 0
-        functions = (*(one.function for one in self.batch_programs.values()), *self.steps.values())
-        numbers = max((f.numbers for f in functions if f.has_batch and f.fits_simd), default=0)
-        copies = 2 if self.formats.is_mixed else 1
-        return -(-copies * numbers * simd.widths[-1] * simd.precision.bytes // 1024)
+        batches = [one for one in self.batch_programs.values() if one.function.has_batch and one.fits_simd]
+        steps = (
+            []
+            if self.formats.is_mixed
+            else [one for one in self.steps.values() if one.has_batch and one.fits_simd]
+        )
+        numbers = max([*(one.numbers for one in batches), *(one.numbers for one in steps)], default=0)
+        return -(-numbers * simd.widths[-1] * simd.precision.bytes // 1024)
 
     @property
     def precision(self) -> Precision:

@@ -50,7 +50,7 @@ _ARGUMENT = re.compile(r"(\w+)(?:\[[^\]]*\])?(?=[,)])")
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 _DEFINED = re.compile(
-    r"^(?!typedef)(?:PART )?[a-z][\w ]*?[ *](\w+)\("  # a function
+    r"^(?!typedef)(?:(?:SIMD_)?PART )?[a-z][\w ]*?[ *](\w+)\("  # a function
     r"|^typedef [\w ]+?(\w+)(?: __attribute__.*)?;"  # another name of a type
     r"|^\} (\w+);",  # a structure or union
     re.MULTILINE,

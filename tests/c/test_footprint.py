@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import platform
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.c import Source
+from kanegen.c import Source, interface
 from kanegen.errors import KanegenError
 from tests.support.c_compilers import C
 from tests.support.paths import MODEL_FILES, PENDULUM
@@ -88,3 +90,49 @@ def test_functions_that_call_others_take_more() -> None:
     assert forward.stack < step.stack < rollout.stack
     assert forward.optimised_stack < step.optimised_stack < rollout.optimised_stack
     assert all(one.optimised_stack < one.stack for one in found.values())
+
+
+def require_stack_of_batches(source: Source, folder: Path) -> None:
+    """Check the largest stack of the batch functions, with the widest vectors, against that of the header."""
+    source.write(folder)
+    file = f"{source.model.name}_batch.c"
+    stated = re.search(r"arrays of up to (\d+) KiB", (folder / f"{source.model.name}.h").read_text())
+    assert stated is not None
+    for command in C.values():
+        if len(command) == 1 and platform.machine() == "x86_64":
+            sizes = frames(folder, file, (*command, "-O2", "-mavx512f"))
+            found = max(
+                size for name, size in deepest(calls(folder, file), sizes).items() if name.endswith("_batch")
+            )
+            assert found <= 1024 * (1.5 * int(stated[1]) + 16), command
+
+
+@pytest.mark.parametrize("tier", ["strict", kg.Variant(storage="float")], ids=["double", "mixed"])
+def test_the_stack_of_a_batch(tier: kg.Variant | str, tmp_path: Path) -> None:
+    system = random_system(np.random.default_rng(3), 6, connection=(0, 1, 1, 0, 4, 4), name="forked")
+    require_stack_of_batches(kg.generate(system, ("mass_matrix", "forcing"), tier=tier), tmp_path / "out")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("outputs", [OUTPUTS, ("forward_dynamics_derivatives",)], ids=["equations", "dFD"])
+@pytest.mark.parametrize("model", sorted(MODEL_FILES), ids=lambda path: path.stem)
+def test_the_stack_of_batches_of_every_model(model: Path, outputs: tuple[str, ...], tmp_path: Path) -> None:
+    require_stack_of_batches(generated(kg.load(model), outputs), tmp_path / "out")
+
+
+def test_copies_of_rows_decide_whether_a_batch_takes_states_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In mixed precision the rows of a batch are copied, whatever values a matrix holds several times."""
+    system = random_system(np.random.default_rng(3), 6, connection=(0, 1, 1, 0, 4, 4), name="forked")
+    generated = {
+        storage: kg.generate(system, ("mass_matrix",), tier=kg.Variant(storage=storage))
+        for storage in ("", "float")
+    }
+    needed = {
+        storage: source.render_input.batch_programs["mass_matrix"].numbers
+        for storage, source in generated.items()
+    }
+    assert needed["float"] > needed[""] + len(system.freedoms) ** 2
+    monkeypatch.setattr(interface, "LARGEST_BATCH_ROW", needed["float"] - 1)
+    for storage, takes_together in (("", True), ("float", False)):
+        made = kg.generate(system, ("mass_matrix",), tier=kg.Variant(storage=storage))
+        assert ("simd_gather(" in made.files["forked_batch.c"]) == takes_together

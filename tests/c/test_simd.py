@@ -172,11 +172,14 @@ def test_arrays_too_large_for_the_stack_go_one_by_one(monkeypatch):
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("form", ["full", "lower"])
 def test_matrices_that_hold_values_several_times(form, width):
-    """Every value is stored once for several states, found at all its places, and tested at each of them."""
+    """Every value is stored once for several states, found at all its places, and tested at each of them.
+
+    So it is with threads, too.
+    """
     system = random_system(np.random.default_rng(3), 6, connection=(0, 1, 1, 0, 4, 4), name="forked")
     made = kg.generate(system, ("mass_matrix",), mass_matrix=form)
     assert "A_places" in made.files["forked_batch.c"]
-    library = load(made, flags=wide(width), on_status="ignore")
+    library = load(made, flags=wide(width, "-fopenmp", "-DKANEGEN_THREADED=4"), on_status="ignore")
     x = np.random.default_rng(14).uniform(-1.0, 1.0, (19, len(system.coordinates)))
     assert bits(library.mass_matrix(x)) == bits([library.mass_matrix(one) for one in x])
     x[[4, 11, 18]] = np.nan

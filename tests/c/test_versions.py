@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.c.c99 import C99
 from kanegen.c.versions import VERSIONS, Dispatched, defined_names, macros_of_width
 from kanegen.errors import OptionError
+from kanegen.library import load
 from kanegen.library.native import compilers, selftest
 from kanegen.library.native.build import code, write
 from kanegen.program import semantics
@@ -85,6 +87,22 @@ def compiled(folder, compiler, *flags):
         run(*command, folder=folder)
     text = run("nm", "top.c.o", "top_batch.c.o", folder=folder)
     return set(re.findall(r" [tT] (\w+)", text))
+
+
+@ON_X86_64
+@pytest.mark.parametrize("compiler", C)
+def test_parts_that_are_joined_and_matrices_that_hold_values_once(compiler):
+    system = systems.random_system(np.random.default_rng(3), 6, connection=(0, 1, 1, 0, 4, 4), name="forked")
+    x = np.random.default_rng(4).uniform(-1.0, 1.0, (19, len(system.coordinates)))
+    portable, versions = (
+        kg.generate(system, ("mass_matrix",), target=C99(longest_part=500), tier=tier)
+        for tier in ("strict", TIER)
+    )
+    assert "SIMD_PART" in versions.files["forked_batch_version.h"]
+    assert "A_places" in versions.files["forked_batch_version.h"]
+    expected = load(portable, flags=("-O1", "-ffp-contract=off")).mass_matrix(x)
+    found = load(versions, " ".join(C[compiler]), ("-O1",)).mass_matrix(x)
+    assert found.tobytes() == expected.tobytes()
 
 
 BOTH = {"top_evaluate", "top_rollout_rk4", "top_evaluate_batch", "top_rollout_rk4_batch"}
