@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from kanegen.c.declarations import declarator
 from kanegen.c.description import ModelDescription
+from kanegen.c.element_names import names_of_variables
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
@@ -14,6 +15,7 @@ from kanegen.c.templates import fill
 from kanegen.model.quoting import c_name
 from kanegen.program.ir import PREPARED, Array
 from kanegen.program.precision import DOUBLE, Precision
+from kanegen.recursion.outputs import PRODUCTS
 
 
 def example(source: Source) -> dict[str, str]:
@@ -69,11 +71,26 @@ def _elements(model: ModelDescription, function: Function, array: Array) -> list
     """Return an initial value and a label for every element; parameters have their defaults."""
     if function.name == PREPARE:
         return [(default, name) for name, default in model.parameters]
-    return [((1 + i % 7) / 10, label) for i, label in enumerate(_labels(model, array))]
+    labels = _variables(model, function, array) or _labels(model, array)
+    return [((1 + i % 7) / 10, label) for i, label in enumerate(labels)]
+
+
+def _variables(model: ModelDescription, function: Function, array: Array) -> list[str]:
+    """Return the names of the variables of an array that is a direction of them, [] for another.
+
+    Outputs of one function may share a direction though they differ in a variable, which then has both names.
+    """
+    directed = [one.name for one in function.outputs if one.name in PRODUCTS]
+    names = [
+        names_of_variables(name, model, array.size)
+        for name in directed
+        if PRODUCTS[name].direction == array.name
+    ]
+    return [" or ".join(dict.fromkeys(labels)) for labels in zip(*names, strict=True)]
 
 
 def _labels(model: ModelDescription, array: Array) -> Sequence[str]:
-    """Return a label for every element of an input array."""
+    """Return a label for every element of an input array that is no direction of variables."""
     if array.name == "prescribed":
         phrases = ("{}", "rate of {}", "second derivative of {}")
         return [phrase.format(name) for phrase in phrases for name in model.prescribed_names]
@@ -113,19 +130,28 @@ class Printer:
         type: Type of the elements.
         format: Conversion of one element for printf.
         value: Expression of element i.
+        is_of_triangle: Whether it leaves out the elements above the diagonal, which are not filled.
     """
 
     name: str
     type: str
     format: str
     value: str
+    is_of_triangle: bool = False
 
 
 def _printers(arrays: Sequence[Array], model_formats: Formats) -> dict[str, Printer]:
     """Return the function that prints each result, by name of the result."""
     kinds = list(dict.fromkeys([model_formats.storage, *(model_formats.of(array.name) for array in arrays)]))
     made = {kind: _printer(kind, f"_{number}" if number else "") for number, kind in enumerate(kinds)}
-    return {array.name: made[model_formats.of(array.name)] for array in arrays}
+    return {array.name: _for_form(made[model_formats.of(array.name)], array) for array in arrays}
+
+
+def _for_form(printer: Printer, array: Array) -> Printer:
+    """Return the printer for the form of an array: that of a triangle where it is filled in part."""
+    if not array.is_filled_in_part:
+        return printer
+    return replace(printer, name=printer.name.replace("print", "print_lower"), is_of_triangle=True)
 
 
 def _printer(precision: Precision, ending: str) -> Printer:

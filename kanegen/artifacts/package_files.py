@@ -4,10 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import PurePosixPath
+from textwrap import wrap
 
 from kanegen.c.context import Context, context
+from kanegen.c.layout import WIDTH
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
+from kanegen.program.triangle import LOWER, PACKED, SPARSE
+
+_PLACES = {
+    LOWER: "what row i has in column j <= i, from 0, is element {n}*i + j. The elements above the diagonal "
+    "are left as they are",
+    PACKED: "what row i has in column j <= i, from 0, is element i*(i + 1)/2 + j. The macros "
+    "`{prefix}_{array}_ROW_STARTS` and `{prefix}_{array}_COLUMNS` have the same places",
+    SPARSE: "its elements by rows, without those that are zero in every state. The macro "
+    "`{prefix}_{array}_ROW_STARTS` says where each row begins, `{prefix}_{array}_COLUMNS` the column of each",
+}
+"""Where elements of a lower triangle stand, by the form of the matrix."""
+
+_CONTENTS = {
+    "kanegen_sincos": "sine and cosine",
+    "kanegen_elementary": "exp, log, tanh, atan2 and comparisons",
+}
+"""What headers have that the device functions use, by the beginning of their names."""
 
 
 def cmake(source: Source) -> dict[str, str]:
@@ -32,6 +51,7 @@ def _variables(source: Source) -> Context:
     described = {one.name: one.doc for one in source.functions}
     described |= {one.name: one.doc for one in source.rollouts}
     return variables | {
+        "matrix": _about_matrix(source),
         "pieces": source.pieces,
         "next_steps": list(source.next_steps.items()),
         "integrators": [(name, described[name]) for name in source.integrators],
@@ -39,10 +59,28 @@ def _variables(source: Source) -> Context:
         "parameters_by_state": source.parameters_by_state,
         "footprints": source.footprints,
         "stack": source.render_input.batch_stack if source.render_input else 0,
-        "device_headers": [name for name in source.code if name.startswith("kanegen_")],
+        "device_headers": {name: _content(name) for name in source.code if name.startswith("kanegen_")},
         "headers": [name for files in source.beside.values() for name in files if _is_header(name)],
         "beside": [(_shown(files), purpose.rstrip(".")) for purpose, files in source.beside.items()],
     }
+
+
+def _content(header: str) -> str:
+    """Return what a header of kanegen has, by its name."""
+    return next(
+        (text for start, text in _CONTENTS.items() if header.startswith(start)), "arrays of one state"
+    )
+
+
+def _about_matrix(source: Source) -> list[str]:
+    """Return lines on the part of [A] that functions fill, and where; [] where they fill the whole."""
+    arrays = (array for function in source.functions for array in function.outputs)
+    found = next((array for array in arrays if array.form in _PLACES), None)
+    if found is None:
+        return []
+    places = _PLACES[found.form].format(array=found.name, n=found.row, prefix=source.model.prefix)
+    text = f"`{found.name}` holds only the lower triangle of [A], which is symmetric: {places}."
+    return wrap(text, WIDTH)
 
 
 def _is_header(name: str) -> bool:

@@ -30,6 +30,7 @@ from kanegen.model.names import FILES_OF_C
 from kanegen.options import STRICT
 from kanegen.program.cut import LONGEST_PART
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS
+from kanegen.program.triangle import FULL
 from kanegen.recursion.outputs import OUTPUTS, prerequisites
 from kanegen.recursion.outputs.output import OfSolution
 
@@ -283,6 +284,9 @@ def printed_choices(render_input: RenderInput, printed: Sequence[PrintedFunction
         for name, value in render_input.variant.choices(render_input.decided)
         if applies.get(name, value != usual[name])
     ]
+    outputs = [array for function in render_input.functions for array in function.outputs]
+    forms = dict.fromkeys(array.form for array in outputs if array.form != FULL)
+    found += [("mass_matrix", form) for form in forms]
     return [*found, ("parameters", "by state")] if render_input.parameters_by_state else found
 
 

@@ -52,7 +52,7 @@ def names_of_elements(array: Array, model: ModelDescription) -> tuple[Names, ...
     if _has_variables(array.name):
         axes = 2 if array.name in SECOND_DERIVATIVES else 1
         last = len(array.shape) - axes
-        variables = _variables(array.name, model, array.shape[-1])
+        variables = names_of_variables(array.name, model, array.shape[-1])
         names = [*names[:last], *([()] * (last - len(names))), *[variables] * axes]
     return tuple(_fitting(one, size) for one, size in zip_longest(names[: len(array.shape)], array.shape))
 
@@ -65,7 +65,7 @@ def _has_variables(output: str) -> bool:
     )
 
 
-def _variables(output: str, model: ModelDescription, size: int) -> Names:
+def names_of_variables(output: str, model: ModelDescription, size: int) -> Names:
     """Return the names of the variables of an output that is a derivative, such as "x elbow".
 
     Args:

@@ -178,6 +178,7 @@ class Array:
         row_condition: The condition for each of its rows, if it has rows without which it does not exist.
         pattern: Row and column of each element that is filled, for an array that holds only a part of a
             symmetric matrix: all of its elements if it has one axis, those at these places if it has two.
+        form: Form of a symmetric matrix, one of `triangle.FORMS`.
     """
 
     name: str
@@ -188,6 +189,7 @@ class Array:
     of_freedoms: bool = False
     row_condition: RowCondition | None = None
     pattern: tuple[tuple[int, int], ...] = ()
+    form: str = "full"
 
     @property
     def size(self) -> int:

@@ -47,12 +47,12 @@ def _in_form(program: Program, output: Output, form: str) -> Output:
     values = tuple(output.values[place] for place in places)
     if form == LOWER:
         doc = f"{matrix.doc}; the lower triangle, the elements above the diagonal are left as they are"
-        array = replace(matrix, doc=doc, pattern=pattern)
+        array = replace(matrix, doc=doc, pattern=pattern, form=form)
         return replace(output, array=array, values=values, places=tuple(places))
     doc = f"{matrix.doc}; the lower triangle by rows, row i and column j <= i at i (i + 1)/2 + j"
     if form == SPARSE:
         doc = f"{matrix.doc}; the lower triangle by rows without entries that are zero in every state"
-    array = replace(matrix, shape=(len(values),), doc=doc, of_freedoms=False, pattern=pattern)
+    array = replace(matrix, shape=(len(values),), doc=doc, of_freedoms=False, pattern=pattern, form=form)
     return replace(output, array=array, values=values)
 
 

@@ -1,6 +1,7 @@
 """The list of artifacts: what can stand beside a source, and a new one through the same mechanism."""
 
 import importlib.util
+import math
 import re
 
 import pytest
@@ -165,6 +166,27 @@ def test_the_readme_says_what_to_do_next():
     assert "`wasm/README.md`" in lines[1]
     assert "model.forward_dynamics()" in made.files["wasm/README.md"]
     assert "What to do next" not in kg.generate(system, batches=False).files["README.md"]
+
+
+def test_the_readme_says_how_batches_of_code_for_several_instruction_sets_are_compiled():
+    system, several = kg.load(MODELS / "double_pendulum.toml"), kg.Variant(machine="multiversioned")
+    texts = [kg.generate(system, tier=tier).files["README.md"] for tier in ("strict", several)]
+    batches = [text.partition("## Many states at once")[2].partition("##")[0] for text in texts]
+    assert ["-mavx512f" in text for text in batches] == [True, False]
+    assert ["with AVX-512, 4 with AVX2" in text for text in batches] == [False, True]
+
+
+def test_the_example_names_every_variable_of_a_direction():
+    system = kg.load(MODELS / "double_pendulum.toml")
+    outputs = ("forcing_jvp", "inverse_dynamics_jvp", "forward_dynamics_jvp")
+    text = kg.generate(system, outputs).files["main.c"]
+    arrays = re.findall(r"double (\w+)\[([\d *]+)\] = \{(.*?)\};", text, re.DOTALL)
+    names = {array: re.findall(r"/\* (.*) \*/", lines) for array, _, lines in arrays}
+    first, second = system.freedom_names
+    assert names["direction"][:3] == [f"x {first}", f"x {second}", f"y {first}"]
+    assert names["direction"][4:6] == [f"ydot {one} or tau {one}" for one in (first, second)]
+    for array, lengths, _ in arrays:
+        assert len(names[array]) == math.prod(map(int, lengths.split("*"))), array
 
 
 def test_nouns_and_verbs_of_the_readme_fit_their_number():

@@ -14,6 +14,7 @@ from kanegen.cli.options import MATRIX_FORMS
 from kanegen.errors import OptionError
 from kanegen.interop.slopes import slopes
 from kanegen.program.triangle import FORMS
+from tests.support.c_compilers import WARNINGS, C, code, run
 from tests.support.systems import random_system
 
 TRIANGLES = FORMS[1:]
@@ -106,6 +107,37 @@ def test_the_header_says_where_elements_belong():
     assert (np.repeat(np.arange(len(counts)), counts) == rows).all()
     assert numbers["COLUMNS"] == columns.tolist()
     assert "A_COLUMNS" not in built("lower").source.files["forked.h"]
+
+
+@pytest.mark.parametrize("target", ["c99", "cuda"])
+def test_files_say_which_form_they_have(target):
+    ending = {"c99": "", "cuda": "_cuda"}[target]
+    n = len(forked().freedoms)
+    places = {
+        "full": "",
+        "lower": f"element {n}*i + j",
+        "packed": "element i*(i + 1)/2 + j",
+        "sparse": "A_COLUMNS",
+    }
+    for form in FORMS:
+        files = kg.generate(forked(), ("mass_matrix",), mass_matrix=form, target=target).files
+        readme, header = files["README.md"].replace("\n", " "), files[f"forked{ending}.h"]
+        assert ("only the lower triangle" in readme) == (form != "full")
+        assert places[form] in readme
+        assert (f"mass_matrix: {form}\n" in header) == (form != "full")
+        assert ("#define FORKED_A_COLUMNS" in header) == (form in ("packed", "sparse"))
+
+
+def test_the_example_prints_the_elements_that_are_filled(tmp_path):
+    source = kg.generate(forked(), ("mass_matrix",), mass_matrix="lower")
+    source.write(tmp_path)
+    run(*C["gcc"], "-std=c99", *WARNINGS, "main.c", *code("forked"), "-o", "main", folder=tmp_path)
+    printed = re.findall(r"A\[(\d+)\] = (\S+)", run("./main", folder=tmp_path))
+    rows, columns = built("lower").mass_matrix_places
+    x = [(1 + i % 7) / 10 for i in range(len(forked().coordinates))]
+    expected = built("full").mass_matrix(x)[rows, columns]
+    assert [int(place) for place, _ in printed] == list(built("full").n * rows + columns)
+    assert [float(value) for _, value in printed] == expected.tolist()
 
 
 def test_elements_have_names():
