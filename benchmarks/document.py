@@ -58,6 +58,10 @@ _ALL_CORES = """\
 Every program runs once on every core at the same time, with states of its own, and the time is that in
 which all cores together have computed one state more."""
 
+_BATCHES = """\
+A call of kanegen computes 32 states; the peers of these tables compute one state a call, one after the
+other."""
+
 _METHOD = Path(__file__).with_name("method.md")
 
 
@@ -123,7 +127,7 @@ def _sections(comparisons: Sequence[Comparison]) -> Iterator[str]:
             continue
         for words, batch in (("One state a call", False), ("Batches", True)):
             yield f"## {words}: {setting.words}"
-            yield f"Compiled with `{' '.join(setting.flags)}`: {MEANINGS[name]}."
+            yield f"Compiled with `{' '.join(setting.flags)}`: {MEANINGS[name]}." + f" {_BATCHES}" * batch
             yield from summaries.summaries(comparisons, setting, batch)
 
 

@@ -29,7 +29,8 @@ Pinocchio for the same quantity, on the same states and in turns, after their re
 are compiled with `-O3 -march=native`. *ns* is the median time of one evaluation over the rounds; *one state*
 and *batch* are the times of kanegen over that of Pinocchio. The chosen frame is that of the body with the
 most bodies below it; `contact_dynamics` holds its origin. Pinocchio has the coordinates of kanegen: a
-floating base is three translations and three turns there.
+floating base is three translations and three turns there. It computes one state a call, also where *batch*
+compares it with a call of kanegen for 32 states.
 """
 
 

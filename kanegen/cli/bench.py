@@ -86,7 +86,8 @@ def bench(
     With --against, each task of kanegen is compared by its ratio to a peer that both runs timed, and by its
     time if there is none; it is slower if the 99 % confidence interval of the change is above 1.02, and
     undecided if the interval reaches above 1.1 otherwise. Times of another machine or compiler are never
-    compared.
+    compared. Among many tasks one that did not change may well come out as slower, since 99 % is not all:
+    before you look for a cause, compare again, with more --rounds.
 
     The exit status is 0 if all results agree and no task is known to be slower, which undecided tasks leave
     open; 1 if results differ or a task became slower; and 2 after an error.
