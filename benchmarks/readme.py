@@ -46,8 +46,8 @@ def block(record: Record) -> str:
     machine = record.machine
     where = (
         f"*The default build on {machine.processor}, {machine.compiler}; in brackets the "
-        f"{100 * CONFIDENCE:g} % confidence interval. In batches a call of kanegen computes 32 states; {PEER} "
-        "computes one state a call, one after the other.*"
+        f"{100 * CONFIDENCE:g} % confidence interval. In batches a call of kanegen computes 32 states; "
+        f"{PEER} computes one state a call, one after the other.*"
     )
     return "\n".join([head, rule, *rows, "", where])
 
