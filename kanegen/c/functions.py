@@ -194,8 +194,8 @@ def _tiles(function: Function, batch: BatchFunction | None) -> list[Tile]:
 
 
 def _table(numbers: Sequence[int]) -> list[str]:
-    """Return the lines of numbers between the braces of a table in a loop."""
-    return wrap(f",{BREAK}".join(map(str, numbers)), indent=" " * 12, hanging=" " * 12) if numbers else []
+    """Return the lines of numbers between the braces of a table."""
+    return wrap(f",{BREAK}".join(map(str, numbers)), indent=" " * 8) if numbers else []
 
 
 def _simd_code(render_input: RenderInput, name: str, batch: BatchFunction) -> Code:

@@ -110,11 +110,19 @@ class RenderInput:
         module = self.selected
         if has_loops(module):
             module = expanded_module(module, LONGEST_STRAIGHT)
-        found = {name: distinct_values(program) for name, program in module.functions.items()}
-        programs = {name: one.program for name, one in found.items() if name not in self._of_steps}
-        module = replace(module, functions={**module.functions, **programs})
-        printed = signatures(module, self.longest_part, self.parameters_by_state, self.batches)
-        places = {name: found[name].places for name in programs}
+        of_steps = self._of_steps
+        found = {
+            name: distinct_values(program)
+            for name, program in module.functions.items()
+            if name not in of_steps
+        }
+        if any(one.places for one in found.values()):
+            programs = {name: one.program for name, one in found.items()}
+            module = replace(module, functions={**module.functions, **programs})
+        printed = self.programs
+        if module is not self.selected:
+            printed = signatures(module, self.longest_part, self.parameters_by_state, self.batches)
+        places = {name: one.places for name, one in found.items()}
         is_mixed = self.formats.is_mixed
         return {
             function.name: BatchFunction(
