@@ -237,7 +237,7 @@ def test_generated_documents_say_where_freedoms_are_locked_and_which_are_coupled
     assert _sliders().with_locked({"d": 0}).locked_summaries == ("all six freedoms of d = 0 (joint d)",)
     files = kg.generate(_sliders().with_locked({"d": 0.5})).files
     header, readme = files["sliders.h"], files["README.md"]
-    assert "Locked freedoms, constant and not in x and y; all other locked freedoms are at 0" in header
+    assert "Locked freedoms, constant and not in x and y; those that are not in this list are at 0" in header
     assert " *     d.s1 = 0.5 m (joint d)\n" in header
     assert "- `d.s1 = 0.5 m (joint d)`\n" in readme
     for equation in ("b = 2.0 a + 0.1", "c = 1.0 b + -0.5"):
